@@ -287,7 +287,8 @@ fn shocks(tables: [&Table; 2], material: &Material, effects: &Effects) -> Shocks
     } else {
         [0.0; 2]
     };
-    Shocks { loading, unloading }
+    let to_stiffening = tables.map(Table::velocity_to_stiffening).into_iter().fold(f64::INFINITY, f64::min);
+    Shocks { loading, unloading, velocity: to_stiffening / material.impedance() }
 }
 
 /// The flow rule of a tracked bar under the scene's effects; kinematic hardening is that along one line.

@@ -198,6 +198,18 @@ impl Table {
         self.lines.windows(2).filter(|w| w[1].slope > w[0].slope).map(move |w| plastic(&w[1]))
     }
 
+    /// E times the change of velocity, over c0, by which first loading comes to the first knot at which slopes grow, Pa; infinite without one.
+    pub fn velocity_to_stiffening(&self) -> f64 {
+        let mut velocity = 0.0;
+        for pair in self.lines.windows(2) {
+            velocity += pair[0].slope.max(0.0).sqrt() * (pair[1].start - pair[0].start);
+            if pair[1].slope > pair[0].slope {
+                return velocity;
+            }
+        }
+        f64::INFINITY
+    }
+
     /// True where slopes never grow along the table: it is then the lowest of its lines.
     pub fn is_concave(&self) -> bool {
         self.lines.windows(2).all(|w| w[1].slope <= w[0].slope)

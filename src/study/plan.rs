@@ -281,7 +281,9 @@ fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
     let along = assemble::along(&scene.bar, &scene.effects);
     let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], DistributedForces::bytes_per_cell);
-    let elastic = 2 * number + sections + nodes;
+    // Before they yield, cells can be carried as two waves beside them.
+    let waves = if along.is_none() && scene.effects.rupture.is_none() { 2 * number } else { 0 };
+    let elastic = 2 * number + waves + sections + nodes;
     let yielded = (2 + law.law.state_len()) * number + size_of::<f32>() + work_kept + sections + yielded_nodes;
     Cell { bytes: [elastic, yielded], net: None }
 }

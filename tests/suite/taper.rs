@@ -113,8 +113,8 @@ fn a_taper_that_changes_nothing_is_the_uniform_bar_to_the_last_bit() {
     let ends = [common::moved_by(&[(0.0, 20.0), (5e-5, 20.0), (5e-5, 0.0)]), EndCondition::Free];
     let plain = Segment::new(1.0, 2.0, common::bilinear_steel());
     let flat = tapered(plain.clone(), Profile::Area, &[(0.0, 2.0), (0.3, 2.0), (1.0, 2.0)]);
-    let [mut uniform, mut level] =
-        [plain, flat].map(|s| common::leapfrog(vec![s], ends.clone(), Some(HardeningRule::Isotropic), 1301, 1.0));
+    let [mut uniform, mut level] = [plain, flat]
+        .map(|s| common::leapfrog(vec![s], ends.clone(), Some(HardeningRule::Isotropic), 1301, 1.0).in_cells());
     for _ in 0..4 {
         common::advance(&mut uniform, 700);
         common::advance(&mut level, 700);

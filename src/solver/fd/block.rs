@@ -9,9 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use super::grid_filter::{self, Beside, Filter, Gaps};
 use super::quantity::Quantity;
+use super::segment::{Constants, SegmentLaw};
 use super::signals::{Signals, inner_nodes};
 use super::sizes::MOST_CELLS;
 use super::taper::BlockTaper;
+use super::travelling::Waves;
 use crate::law::{
     Aligned, AlignedRow, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, any_flows, elastic_row, split_off,
 };
@@ -85,11 +87,18 @@ pub(super) struct Block {
     /// Velocities of the first and the last inner node before the damping of the latest step, for that of the neighbours.
     inner: [f64; 2],
     pub stage: Stage,
+    /// Waves can be shocks, here or in a neighbour.
+    pub meets_shocks: bool,
     /// Steps that no cell of the yielded block flowed in; and the stress up to which its cells stay elastic then, Pa, 0 where that is not known.
     #[serde(skip)]
     pub steps_without_flow: u32,
     #[serde(skip)]
     pub elastic_up_to: f64,
+    /// The waves of a block that is carried as such: stresses and velocities are then those shown last, but for the ones at the edges.
+    pub waves: Option<Box<Waves>>,
+    /// The first step in which it may be carried so, again; and the velocities of the nodes at both edges in the step before.
+    pub travels_from: usize,
+    pub latest_edges: [f64; 2],
     /// Every step computes all cells, by their law once they have yielded: what leaving some out is compared with.
     #[cfg(test)]
     #[serde(skip)]
@@ -143,8 +152,9 @@ pub(super) struct BlockLaw<'a> {
     pub yield_stress: f64,
     /// Where the law's data end.
     pub end: &'a DataEnd,
-    /// See [`Filter::missing_flow`].
-    pub missing_flow: f64,
+    pub filter: &'a Filter,
+    /// Elastic blocks may be carried as waves.
+    pub travels: bool,
     /// The step that is taken.
     pub step: usize,
 }
@@ -156,8 +166,12 @@ impl Block {
             cells,
             segment,
             stage: Stage::Elastic,
+            meets_shocks: false,
             steps_without_flow: 0,
             elastic_up_to: 0.0,
+            waves: None,
+            travels_from: 0,
+            latest_edges: [0.0; 2],
             #[cfg(test)]
             always_active: false,
             active: 0..0,
@@ -208,8 +222,12 @@ impl Block {
             cells: middle..self.cells.end,
             segment: self.segment,
             stage: self.stage,
+            meets_shocks: self.meets_shocks,
             steps_without_flow: 0,
             elastic_up_to: 0.0,
+            waves: None,
+            travels_from: 0,
+            latest_edges: [0.0; 2],
             #[cfg(test)]
             always_active: self.always_active,
             active: 0..cells - at,
@@ -260,6 +278,15 @@ impl Block {
         }
     }
 
+    /// From now on waves can be shocks.
+    pub fn start_meeting_shocks(&mut self, law: &dyn RowLaw) {
+        self.meets_shocks = true;
+        if self.is_plastic() {
+            let flowed = |i: usize| i8::from(law.accumulated(&self.state, i) > 0.0);
+            self.have_flowed = (0..self.sigma.len()).map(flowed).collect();
+        }
+    }
+
     /// Takes down the cells at work that came to a limit of what their law knows.
     fn note_limits(&mut self, law: BlockLaw<'_>) {
         let (first, segment, cells) = (self.cells.start + self.active.start, self.segment, self.active.clone());
@@ -279,9 +306,18 @@ impl Block {
     }
 
     /// Velocity of the first (side 0) or last (side 1) inner node before the damping of the latest step. Where there is
-    /// none it is that of the node at the other edge, which must not have been damped yet.
-    pub fn undamped(&self, side: usize) -> f64 {
-        if self.sigma.len() == 1 { self.v[1 - side] } else { self.inner[side] }
+    /// none it is that of the node at the other edge, which must not have been damped yet. `gain` is dt/(rho dx).
+    pub fn undamped(&self, side: usize, gain: f64) -> f64 {
+        match &self.waves {
+            Some(waves) => waves.velocity(if side == 0 { 1 } else { self.sigma.len() - 1 }, gain),
+            None if self.sigma.len() == 1 => self.v[1 - side],
+            None => self.inner[side],
+        }
+    }
+
+    /// Stress of local cell `i`, Pa, also while the block is carried as waves.
+    pub fn stress(&self, i: usize) -> f64 {
+        self.waves.as_ref().map_or(self.sigma[i], |waves| waves.stress(i))
     }
 
     /// Keeps what [`Self::undamped`] gives.
@@ -293,27 +329,31 @@ impl Block {
     /// share in `impulses_at_edges`. Returns the impulses of its cells, none where all are 0.
     pub fn apply_grid_filter<'a>(
         &mut self,
-        velocity_gain: f64,
-        filter: Filter,
+        law: &SegmentLaw,
+        constants: &Constants,
         outside: [Beside; 2],
         scratch: &'a mut Scratch,
     ) -> Option<&'a [f64]> {
         let Scratch { work, gaps, .. } = scratch;
-        let (cells, active, v) = (self.sigma.len(), self.active.clone(), &mut self.v);
+        let (cells, active, v) = (self.sigma.len(), self.active.clone(), &self.v);
         let (at_left, at_right) = (active.start == 0, active.end == cells);
         let outside = [
             if at_left { outside[0] } else { Beside::Node(v[active.start - 1]) },
             if at_right { outside[1] } else { Beside::Node(v[active.end + 1]) },
         ];
+        gaps.read(&v[active.start..=active.end], outside, constants.rounding());
+        if !self.meets_shocks && law.has_shocks(self.reached, gaps.largest()) {
+            self.start_meeting_shocks(law.law.as_ref());
+        }
+        let filter = constants.filter(self.meets_shocks);
         if filter.takes_shocks() && !self.flow.is_empty() {
             self.have_flowed.resize(cells, 0);
             let cells = active.clone();
             grid_filter::note_flow(&self.flow[cells.clone()], &self.sigma[cells.clone()], &mut self.have_flowed[cells]);
         }
-        gaps.read(&v[active.start..=active.end], outside, filter.rounding);
         self.impulses_at_edges = [0.0; 2];
         let flow = self.flow.get(active.clone()).unwrap_or_default();
-        if gaps.are_smooth(flow, filter) {
+        if gaps.are_smooth(flow, *filter) {
             return None;
         }
         // Cells at rest hand nothing over: they do not flow, and beyond the first one nothing alternates.
@@ -326,16 +366,16 @@ impl Block {
         }
         let have_flowed = self.have_flowed.get(active.clone()).unwrap_or_default();
         let row = grid_filter::Cells { flow, have_flowed, sigma: &self.sigma[active.clone()] };
-        let anything = gaps.find(&row, filter, &mut impulses[active.clone()]);
+        let anything = gaps.find(&row, *filter, &mut impulses[active.clone()]);
         self.impulses_at_edges =
             [if at_left { impulses[0] } else { 0.0 }, if at_right { impulses[cells - 1] } else { 0.0 }];
         if !anything {
             return None;
         }
-        let nodes = inner_nodes(&active, cells);
+        let (gain, nodes) = (constants.velocity_gain, inner_nodes(&active, cells));
         self.damped += match &self.taper {
-            None => grid_filter::apply_impulses(velocity_gain, &self.sigma, impulses, v, nodes),
-            Some(taper) => taper.apply_impulses(velocity_gain, &self.sigma, impulses, v, nodes),
+            None => grid_filter::apply_impulses(gain, &self.sigma, impulses, &mut self.v, nodes),
+            Some(taper) => taper.apply_impulses(gain, &self.sigma, impulses, &mut self.v, nodes),
         };
         Some(impulses)
     }
@@ -345,7 +385,7 @@ impl Block {
     ///
     /// `scratch` stays in the first-level cache from block to block.
     pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
-        if !self.find_active(law, Signals::ThroughCells) {
+        if self.travel(law) || !self.find_active(law, Signals::ThroughCells) {
             return;
         }
         self.advance_stress(law, scratch);
@@ -587,7 +627,7 @@ mod tests {
         let mut left = Block::new(0..300, 0, 0.0);
         left.start_with(|node| node as f64);
         let right = left.split_off(100);
-        assert_eq!([0, 1].map(|side| left.undamped(side)), [1.0, 99.0]);
-        assert_eq!([0, 1].map(|side| right.undamped(side)), [101.0, 299.0]);
+        assert_eq!([0, 1].map(|side| left.undamped(side, 1.0)), [1.0, 99.0]);
+        assert_eq!([0, 1].map(|side| right.undamped(side, 1.0)), [101.0, 299.0]);
     }
 }

@@ -99,11 +99,13 @@ pub struct Shocks {
     pub loading: [f64; 2],
     /// Those of unloading: the curve is followed both ways.
     pub unloading: [f64; 2],
+    /// Least change of velocity by which first loading comes to where the curve stiffens, m/s; infinite where it does not.
+    pub velocity: f64,
 }
 
 impl Shocks {
     /// There are none.
-    pub const NONE: Self = Self { loading: [0.0; 2], unloading: [0.0; 2] };
+    pub const NONE: Self = Self { loading: [0.0; 2], unloading: [0.0; 2], velocity: f64::INFINITY };
 }
 
 impl Filter {
@@ -138,6 +140,12 @@ impl Filter {
         if self.takes_shocks() { 0.0 } else { 0.5 + self.overshoot }
     }
 
+    /// Velocity differences side by side (m/s) of which the middle one is an oscillation from cell to cell.
+    pub fn oscillates(&self, differences: [f64; 3]) -> bool {
+        let (_, size, neighbours) = seen_from(differences);
+        alternates(size, neighbours, *self)
+    }
+
     /// Differences that support each other are damped, too.
     pub fn takes_shocks(&self) -> bool {
         self.rise != [[0.0; 2]; 2]
@@ -159,6 +167,7 @@ pub(super) struct Gaps {
     cells: usize,
     outside: [Beside; 2],
     smooth: bool,
+    largest: f64,
 }
 
 /// What the filter must know of cells.
@@ -201,7 +210,13 @@ impl Beside {
 impl Gaps {
     /// With room for the longest block.
     pub const fn new() -> Self {
-        Self { w: Aligned([0.0; MOST_CELLS + 2 * LANES]), cells: 0, outside: [Beside::Joint; 2], smooth: true }
+        Self {
+            w: Aligned([0.0; MOST_CELLS + 2 * LANES]),
+            cells: 0,
+            outside: [Beside::Joint; 2],
+            smooth: true,
+            largest: 0.0,
+        }
     }
 
     /// Those of a row of nodes.
@@ -218,8 +233,13 @@ impl Gaps {
             range.add(w);
         }
         [self.w.0[LANES - 1], self.w.0[LANES + cells]] = beyond.map(Option::unwrap_or_default);
-        self.smooth = range.is_smooth(rounding);
+        (self.smooth, self.largest) = (range.is_smooth(rounding), f64::from_bits(range.largest));
         (self.cells, self.outside) = (cells, outside);
+    }
+
+    /// Largest of them all, m/s.
+    pub fn largest(&self) -> f64 {
+        self.largest
     }
 
     /// True where no cell can have an impulse, found from the differences as a whole: they are all rounding, or of

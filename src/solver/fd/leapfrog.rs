@@ -54,6 +54,8 @@ pub struct Leapfrog {
     pub(super) step: usize,
     /// Threads that it may be stepped on.
     threads: usize,
+    /// Elastic blocks may be carried as waves: otherwise every cell is stepped.
+    travels: bool,
     /// Blocks of which something is logged in every step, if anything is.
     watched: Option<Vec<usize>>,
     /// Where and when the bar breaks; none where it never does.
@@ -164,6 +166,7 @@ impl Leapfrog {
             right,
             step: 0,
             threads: rayon::current_num_threads(),
+            travels: true,
             watched: None,
             rupture: None,
             implicit: None,
@@ -174,6 +177,12 @@ impl Leapfrog {
         }
     }
 
+    /// The same bar, none of which is carried as waves: every cell is stepped. That is slower and differs by rounding only.
+    #[must_use]
+    pub fn in_cells(self) -> Self {
+        Self { travels: false, ..self }
+    }
+
     /// How many parts are swept side by side, and for how many steps in one go.
     fn division(&self) -> (usize, usize) {
         let at_work = if self.threads == 1 { 0 } else { self.blocks.iter().filter(|block| !block.at_rest()).count() };
@@ -181,7 +190,7 @@ impl Leapfrog {
     }
 
     /// One step: stresses from velocities, then velocities from stresses. Allocates nothing, but for the plastic
-    /// state of a block in the step in which it first yields.
+    /// state of a block in the step in which it first yields, and for the waves of one that is carried as such from then on.
     pub fn advance(&mut self) {
         self.advance_by(1);
     }
@@ -204,6 +213,14 @@ impl Leapfrog {
             let now = depth.min(undisturbed - self.step);
             self.whole().sweep(now, parts);
             self.step += now;
+        }
+        self.show_waves();
+    }
+
+    /// Brings the cells of blocks that are carried as waves up to date, for reading.
+    fn show_waves(&mut self) {
+        for block in &mut self.blocks {
+            block.show_waves(self.constants[block.segment].velocity_gain);
         }
     }
 
@@ -260,6 +277,7 @@ impl Leapfrog {
                 dt: self.grid.dt,
                 blocks: self.blocks.len(),
                 step: self.step,
+                travels: self.travels && self.sweeps(),
                 watched: self.watched.as_deref(),
             },
             first: 0,

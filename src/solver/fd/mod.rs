@@ -30,6 +30,7 @@ mod stopping_flow;
 mod subdomain;
 mod sweep;
 mod taper;
+mod travelling;
 
 pub use breaking::Unresolved;
 pub use contact::ContactState;

@@ -142,10 +142,10 @@ mod tests {
         let bar = Bar { segments: vec![Segment::new(1.0, 1.0, material)], area_given: true };
         let law = SegmentLaw { law, yield_stress: YIELD, end, shocks: Shocks::NONE, stiffenings: Default::default() };
         let struck = EndCondition::Velocity { history: History::constant(20.0), release: Some(5e-5) };
-        Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed])
+        Leapfrog::new(&bar, Grid::new(&bar, 1301, 1.0), vec![law], [struck, EndCondition::Fixed]).in_cells()
     }
 
-    fn law_of<'a>(law: &'a SegmentLaw, constants: &Constants) -> BlockLaw<'a> {
+    fn law_of<'a>(law: &'a SegmentLaw, constants: &'a Constants) -> BlockLaw<'a> {
         let Constants { stress_gain, velocity_gain, .. } = *constants;
         BlockLaw {
             law: law.law.as_ref(),
@@ -153,7 +153,8 @@ mod tests {
             velocity_gain,
             yield_stress: law.yield_stress,
             end: &law.end,
-            missing_flow: constants.filter.missing_flow(),
+            filter: constants.filter(false),
+            travels: false,
             step: 0,
         }
     }
@@ -297,7 +298,7 @@ mod tests {
         let lateral = vec![lateral; segments.len()];
         let along = DistributedForces { internal, external, foundation, lateral, ..DistributedForces::default() };
         let cells = segments.iter().map(|segment| segment.0).sum();
-        Leapfrog::with_along(&bar, Grid::new(&bar, cells, 1.0), laws, ends.map(end), &along)
+        Leapfrog::with_along(&bar, Grid::new(&bar, cells, 1.0), laws, ends.map(end), &along).in_cells()
     }
 
     proptest! {

@@ -23,6 +23,21 @@ pub struct SegmentLaw {
     pub stiffenings: [Arc<[f64]>; 2],
 }
 
+/// Part of the strain, and of the velocity in one cell, by which loading comes to where the curve stiffens, from which on waves can be shocks: a
+/// shock is spread over some four cells from the first step on.
+const NEAR_STRAIN: f64 = 0.5;
+const NEAR_VELOCITY: f64 = 0.25;
+
+impl SegmentLaw {
+    /// Waves can be shocks where E times the largest accumulated plastic strain is `reached` (Pa), or where the velocity changes by `gap` (m/s)
+    /// over a cell; always where the curve is followed both ways, and unloading waves are shocks.
+    pub(super) fn has_shocks(&self, reached: f64, gap: f64) -> bool {
+        let first = self.stiffenings.iter().filter_map(|knots| knots.first()).copied().fold(f64::INFINITY, f64::min);
+        let unloads = self.shocks.unloading != [0.0; 2];
+        unloads || reached > NEAR_STRAIN * first || gap > NEAR_VELOCITY * self.shocks.velocity
+    }
+}
+
 /// Constants of a segment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Constants {
@@ -37,8 +52,15 @@ pub(super) struct Constants {
     pub area: f64,
     /// Cells that an elastic wave passes in a step.
     pub courant: f64,
-    pub filter: Filter,
+    /// Elastic waves cross a cell in just one step, so that a uniform block can be carried as waves.
+    pub travels: bool,
+    /// Where waves can be shocks, and where not.
+    shock_filter: Filter,
+    filter: Filter,
 }
+
+/// Courant numbers that differ from 1 by no more are 1.
+const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 
 impl Constants {
     /// In steps of `dt` (s).
@@ -53,7 +75,18 @@ impl Constants {
             cell_volume: segment.area * part.dx,
             area: segment.area,
             courant,
-            filter: Filter::new(c0, courant, shocks),
+            travels: (courant - 1.0).abs() <= ROUND_OFF,
+            shock_filter: Filter::new(c0, courant, shocks),
+            filter: Filter::new(c0, courant, Shocks::NONE),
         }
+    }
+    /// Velocity difference of neighbouring nodes that is rounding, m/s.
+    pub fn rounding(&self) -> f64 {
+        self.filter.rounding
+    }
+
+    /// The filter of a block in which waves can be shocks, or cannot.
+    pub fn filter(&self, shocks: bool) -> &Filter {
+        if shocks { &self.shock_filter } else { &self.filter }
     }
 }

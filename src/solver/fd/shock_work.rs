@@ -43,7 +43,7 @@ impl Block {
             return 0;
         }
         let accumulated = law.law.accumulated(&self.state, cell);
-        law.stiffenings[usize::from(self.sigma[cell] < 0.0)].partition_point(|&knot| knot < accumulated)
+        law.stiffenings[usize::from(self.stress(cell) < 0.0)].partition_point(|&knot| knot < accumulated)
     }
 
     /// The same of the cell a shock's reach inside its left (0) or right (1) end.

@@ -238,6 +238,7 @@ impl Leapfrog {
                 0 => 1..cells.min((end_node + nodes_reached).saturating_sub(first)),
                 _ => (end_node.saturating_sub(nodes_reached) + 1).saturating_sub(first).max(1)..cells,
             };
+            block.stop_travelling(c.velocity_gain);
             block.wake();
             for i in inside {
                 let distance = distance(first + i);

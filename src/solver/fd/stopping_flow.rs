@@ -26,16 +26,17 @@ impl Block {
     /// Lets cells flow on that flowed in the step before and unload in this one, by more than they are to flow on. `stopped` is set to them.
     pub fn flow_on(&mut self, law: BlockLaw<'_>, stopped: &mut Vec<Stopped>) {
         stopped.clear();
-        if law.missing_flow == 0.0 || self.steps_without_flow > 0 {
+        let missing_flow = law.filter.missing_flow();
+        if missing_flow == 0.0 || self.steps_without_flow > 0 {
             return;
         }
         let Range { start, end } = self.active;
-        let found = find_stopping(law.stress_gain, law.missing_flow, &self.flow[start..end], &self.v[start..=end]);
+        let found = find_stopping(law.stress_gain, missing_flow, &self.flow[start..end], &self.v[start..=end]);
         for (piece, mut cells) in found.into_iter().enumerate() {
             while cells != 0 {
                 let cell = start + piece * CHUNK + cells.trailing_zeros() as usize;
                 cells &= cells - 1;
-                let (before, missing) = (self.sigma[cell], law.missing_flow * f64::from(self.flow[cell]));
+                let (before, missing) = (self.sigma[cell], missing_flow * f64::from(self.flow[cell]));
                 let [plastic, work] = law.law.flow_on(missing, cell, &mut self.sigma, &mut self.state);
                 let plastic_after = law.law.plastic_strain(&self.state, cell);
                 stopped.push(Stopped { cell, sigma: [before, self.sigma[cell]], plastic, plastic_after, work });

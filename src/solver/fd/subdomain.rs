@@ -21,6 +21,8 @@ pub(super) struct Common<'a> {
     pub blocks: usize,
     /// Steps taken before this sweep.
     pub step: usize,
+    /// Elastic blocks may be carried as waves, see [`super::travelling`].
+    pub travels: bool,
     /// Blocks of which something is logged in every step, in order; none where nothing is, not even the ends.
     pub watched: Option<&'a [usize]>,
 }
@@ -43,7 +45,7 @@ impl Subdomain<'_> {
     pub fn advance_stresses(&mut self, step: usize, scratch: &mut Scratch) {
         let common = self.common;
         for block in &mut *self.blocks {
-            block.advance_stresses(common.law(block.segment, step), scratch);
+            block.advance_stresses(common.law(block, step), scratch);
             block.note_yield(step);
         }
     }
@@ -52,7 +54,7 @@ impl Subdomain<'_> {
     pub fn advance(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         let (common, blocks) = (self.common, self.local(blocks));
         for block in self.blocks[blocks].iter_mut().filter(|block| !block.at_rest()) {
-            block.advance(common.law(block.segment, step), scratch);
+            block.advance(common.law(block, step), scratch);
             block.note_yield(step);
         }
     }
@@ -102,14 +104,29 @@ impl Subdomain<'_> {
             if self.blocks[k].at_rest() || self.blocks[k].damps_from > step {
                 continue;
             }
+            let shocks_beside = self.shocks_beside(k);
             let outside = self.nodes_outside(k);
             let block = &mut self.blocks[k];
-            let c = &self.common.constants[block.segment];
-            let impulses = block.apply_grid_filter(c.velocity_gain, c.filter, outside, scratch);
-            if let Some(impulses) = impulses.filter(|_| c.filter.takes_shocks()) {
+            let (law, c) = (&self.common.laws[block.segment], &self.common.constants[block.segment]);
+            if shocks_beside {
+                block.start_meeting_shocks(law.law.as_ref());
+            }
+            if block.waves.is_some() {
+                continue;
+            }
+            let impulses = block.apply_grid_filter(law, c, outside, scratch);
+            if let Some(impulses) = impulses.filter(|_| c.filter(self.blocks[k].meets_shocks).takes_shocks()) {
                 self.note_shocks(k, impulses);
             }
         }
+    }
+
+    /// Block `k` meets shocks from now on, as it or a neighbour has come near the part of its curve that stiffens.
+    fn shocks_beside(&self, k: usize) -> bool {
+        let Block { segment, meets_shocks, .. } = self.blocks[k];
+        let law = &self.common.laws[segment];
+        let near = &self.blocks[k.saturating_sub(1)..self.blocks.len().min(k + 2)];
+        !meets_shocks && near.iter().any(|block| block.segment == segment && law.has_shocks(block.reached, 0.0))
     }
 
     /// Takes down what the filter, of these impulses, took in cells of block `k` inside shocks.
@@ -222,6 +239,7 @@ impl Subdomain<'_> {
     /// that is not held the bar goes on as in a mirror.
     fn nodes_outside(&self, k: usize) -> [Beside; 2] {
         let block = &self.blocks[k];
+        let gain = self.common.constants[block.segment].velocity_gain;
         let end = |end: usize| match &self.ends[end] {
             Some(end_node) if end_node.is_held() => Beside::Held,
             Some(_) => Beside::Mirror,
@@ -230,7 +248,7 @@ impl Subdomain<'_> {
         let parted = |edge: usize| self.contacts.iter().any(|contact| contact.edge == self.first + edge);
         let inside = |other: &Block, edge: usize, side: usize| {
             let whole = other.segment == block.segment && !parted(edge);
-            if whole { Beside::Node(other.undamped(side)) } else { Beside::Joint }
+            if whole { Beside::Node(other.undamped(side, gain)) } else { Beside::Joint }
         };
         let left = match k.checked_sub(1) {
             None => end(0),
@@ -271,16 +289,17 @@ impl Subdomain<'_> {
 }
 
 impl<'a> Common<'a> {
-    /// Of a segment, in a step.
-    fn law(self, segment: usize, step: usize) -> BlockLaw<'a> {
-        let (law, constants) = (&self.laws[segment], &self.constants[segment]);
+    /// Of a block, in a step.
+    fn law(self, block: &Block, step: usize) -> BlockLaw<'a> {
+        let (law, constants) = (&self.laws[block.segment], &self.constants[block.segment]);
         BlockLaw {
             law: law.law.as_ref(),
             stress_gain: constants.stress_gain,
             velocity_gain: constants.velocity_gain,
             yield_stress: law.yield_stress,
             end: &law.end,
-            missing_flow: constants.filter.missing_flow(),
+            filter: constants.filter(block.meets_shocks),
+            travels: self.travels && constants.travels,
             step,
         }
     }

@@ -48,12 +48,13 @@ pub(super) fn division(at_work: usize, threads: usize) -> (usize, usize) {
     }
 }
 
-/// Time of a step of a block, in that of an elastic one.
+/// Time of a step of a block, in that of one that is carried as waves.
 fn work(block: &Block) -> usize {
-    match (block.at_rest(), block.is_elastic()) {
-        (true, _) => 0,
-        (false, true) => 1,
-        (false, false) => 4,
+    match (block.at_rest(), block.waves.is_some(), block.is_elastic()) {
+        (true, ..) => 0,
+        (_, true, _) => 1,
+        (.., true) => 4,
+        (.., false) => 16,
     }
 }
 

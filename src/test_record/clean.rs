@@ -29,6 +29,8 @@ const FRACTURE: f64 = 0.1;
 pub(super) struct Cleaned {
     /// (strain, stress), strain increasing.
     pub rows: Vec<(f64, f64)>,
+    /// Of how many rows of the record, all of one strain, each row is the mean.
+    pub of_one_strain: Vec<usize>,
     /// The record ends with a fracture.
     pub fractured: bool,
     /// One sentence for each change.
@@ -42,8 +44,8 @@ pub(super) fn clean(record: &[(f64, f64)]) -> Cleaned {
     without_outliers(&mut rows, &mut changes);
     let fractured = cut_at_fracture(&mut rows, &mut changes);
     without_unloading(&mut rows, &mut changes);
-    sort(&mut rows, &mut changes);
-    Cleaned { rows, fractured, changes }
+    let of_one_strain = sort(&mut rows, &mut changes);
+    Cleaned { rows, of_one_strain, fractured, changes }
 }
 
 /// "1 row", "2 rows".
@@ -168,12 +170,13 @@ fn without_unloading(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
     }
 }
 
-/// Sorts by strain; rows of one strain become their mean.
-fn sort(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
+/// Sorts by strain; rows of one strain become their mean. Returns how many there were of each strain.
+fn sort(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> Vec<usize> {
     let falling = rows.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
     let before = rows.len();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mean = |same: &[(f64, f64)]| (same[0].0, same.iter().map(|row| row.1).sum::<f64>() / same.len() as f64);
+    let of_one_strain = rows.chunk_by(|a, b| a.0 == b.0).map(<[_]>::len).collect();
     *rows = rows.chunk_by(|a, b| a.0 == b.0).map(mean).collect();
     if falling > 0 {
         changes.push(format!("{} of falling strain, within its noise, sorted by strain", count(falling)));
@@ -181,6 +184,7 @@ fn sort(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
     if rows.len() < before {
         changes.push(format!("{} of a strain given twice averaged", count(before - rows.len())));
     }
+    of_one_strain
 }
 
 #[cfg(test)]
@@ -194,7 +198,10 @@ mod tests {
     #[test]
     fn a_clean_record_stays_as_it_is() {
         let record = straight(100);
-        assert_eq!(clean(&record), Cleaned { rows: record, fractured: false, changes: Vec::new() });
+        assert_eq!(
+            clean(&record),
+            Cleaned { rows: record, of_one_strain: vec![1; 100], fractured: false, changes: Vec::new() }
+        );
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod modulus;
 mod noise;
 mod reduce;
 mod repeats;
+mod rounding;
 mod short_table;
 mod smooth;
 mod table;
@@ -16,9 +17,9 @@ mod text;
 
 pub use heading::Kind;
 pub use modulus::ElasticLine;
-pub use noise::resolution;
 pub use reduce::{PROOF_OFFSET, Reduce, Reduction, reduce};
 pub use repeats::{Repeats, combine};
+pub use rounding::{strain_step, stress_step};
 pub use short_table::{Straightened, straighten};
 pub use table::{Reading, Record, UnitsNamed, read};
 pub use text::MaterialText;

@@ -53,18 +53,6 @@ fn scale(squares: &[f64]) -> Vec<f64> {
     (0..squares.len()).map(mean).collect()
 }
 
-/// The step to which stresses are rounded, Pa: the least difference between two of them where a quarter repeats the one before; otherwise 0.
-pub fn resolution(stresses: impl Iterator<Item = f64>) -> f64 {
-    let mut stresses: Vec<f64> = stresses.collect();
-    let repeated = stresses.windows(2).filter(|pair| pair[0] == pair[1]).count();
-    if 4 * repeated < stresses.len() {
-        return 0.0;
-    }
-    stresses.sort_by(f64::total_cmp);
-    let least = 1e-9 * stresses.last().map_or(0.0, |s| s.abs());
-    stresses.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > least).fold(f64::INFINITY, f64::min)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,12 +78,5 @@ mod tests {
         let rows: Vec<(f64, f64)> = (0..3000).map(|i| (row(i).0, row(i).1 + 1e6 * normal(i))).collect();
         let mean = variances(&rows, 0.0).iter().sum::<f64>() / 3000.0;
         assert!((mean / 0.25e12 - 1.0).abs() < 0.15, "{mean:e}");
-    }
-
-    #[test]
-    fn rounded_stresses_are_told_by_repetition() {
-        let rounded = |step: f64| (0..1000).map(move |i| (f64::from(i) * 0.11e6 / step).round() * step);
-        assert!((resolution(rounded(1e6)) / 1e6 - 1.0).abs() < 1e-9);
-        assert_eq!(resolution(rounded(10.0)), 0.0);
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::clean::{clean, count};
 use super::decimate::decimate;
-use super::modulus::{ElasticLine, elastic_line};
+use super::modulus::{ElasticLine, Variances, elastic_line};
 use super::smooth::{Smooth, smooth};
 use super::{modulus, noise};
 use crate::error::InputError;
@@ -26,7 +26,9 @@ pub struct Reduce {
     /// between two knots differs by more than this part, either.
     pub tolerance: f64,
     /// Step to which the stresses of the record are rounded, Pa; 0: none.
-    pub resolution: f64,
+    pub stress_step: f64,
+    /// Step to which its strains are rounded; 0: none.
+    pub strain_step: f64,
 }
 
 impl Reduce {
@@ -81,10 +83,13 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
             InputError::new(message).allowed(format!("at least {} rows of growing strain", Reduce::FEWEST_ROWS));
         return Err(error.help("check the columns; --keep-rows keeps the rows unchanged"));
     }
-    let variances = noise::variances(&rows, how.resolution);
+    // The mean of evenly timed rows of one strain is the nearer to it the more there are.
+    let variance = |rows: &usize| (how.strain_step / *rows as f64).powi(2) / 12.0;
+    let rounding: Vec<f64> = cleaned.of_one_strain.iter().map(variance).collect();
+    let variances = noise::variances(&rows, how.stress_step);
     let largest = rows.iter().map(|row| row.1).fold(0.0, f64::max);
-    let line =
-        elastic_line(&rows, &variances, how.elastic_range).filter(|line| line.slope > 0.0 && line.end < rows.len());
+    let line = elastic_line(&rows, Variances { noise: &variances, rounding: &rounding }, how.elastic_range)
+        .filter(|line| line.slope > 0.0 && line.end < rows.len());
     let Some(line) = line else { return Err(no_line(how)) };
     let (modulus, start) = correct(&mut rows, &line, how, &mut changes)?;
     let mean_noise = (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();

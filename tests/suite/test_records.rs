@@ -230,6 +230,31 @@ fn smoothing_keeps_a_sharp_knee() {
     }
 }
 
+/// Evenly spaced rows of two straight lines from 0, strains rounded to a step.
+fn rounded_strains(modulus: f64, knee: f64, spacing: f64, step: f64) -> Vec<(f64, f64)> {
+    let stress = |e: f64| if e < knee { modulus * e } else { modulus * (knee + 0.01 * (e - knee)) };
+    (0..300).map(|i| spacing * f64::from(i)).map(|e| ((e / step).round() * step, stress(e))).collect()
+}
+
+/// Up to the first extra step of the strain the rows lie exactly on a line: it was taken for the elastic one, and the limit was 18 to 91 % too low.
+#[test]
+fn rounded_strains_do_not_end_the_elastic_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (modulus, knee, spacing, step) in [
+        (200e9, 0.0015, 0.03 / 298.0, 1e-5),
+        (200e9, 0.0015, 0.03 / 249.0, 1e-5),
+        (70e9, 250e6 / 70e9, 0.03 / 299.0, 1e-5),
+        (70e9, 250e6 / 70e9, 1.02e-4, 5e-5),
+        (210e9, 0.005, 5.306e-5, 1e-6),
+    ] {
+        let rows = rounded_strains(modulus, knee, spacing, step);
+        let found = import(folder.path(), "a.csv", &csv(&rows), &[]);
+        let what = format!("{modulus:e} Pa, spacing {spacing:e}, step {step:e}: {found:#}");
+        assert!((number(&found["modulus_Pa"]) / modulus - 1.0).abs() < 0.03, "{what}");
+        assert!((number(&found["elastic_limit_Pa"]) / (modulus * knee) - 1.0).abs() < 0.005, "{what}");
+    }
+}
+
 /// The options for the measure, the toe and the window of the smoothing, each against the default.
 #[test]
 fn measure_toe_and_smoothing_can_be_set() {

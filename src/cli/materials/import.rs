@@ -265,7 +265,8 @@ fn how(args: &Args) -> Result<Reduce> {
         toe,
         window,
         tolerance: args.tolerance,
-        resolution: 0.0,
+        stress_step: 0.0,
+        strain_step: 0.0,
     })
 }
 
@@ -292,9 +293,10 @@ fn import(file: &Path, args: &Args, reading: &Reading, how: &Reduce) -> Result<I
     if keep {
         return Ok(Imported { shown: rows, record, reduction: None });
     }
-    // Before a conversion: after it the steps of rounded stresses differ from row to row.
-    let resolution = test_record::resolution(record.rows.iter().map(|row| row.1));
-    let mut reduction = test_record::reduce(&rows, &Reduce { resolution, ..*how }).map_err(|mut e| {
+    // Before a conversion: after it the steps of rounded values differ from row to row.
+    let stress_step = test_record::stress_step(record.rows.iter().map(|row| row.1));
+    let strain_step = test_record::strain_step(record.rows.iter().map(|row| row.0));
+    let mut reduction = test_record::reduce(&rows, &Reduce { stress_step, strain_step, ..*how }).map_err(|mut e| {
         e.message = format!("{}: {}", file.display(), e.message);
         e
     })?;

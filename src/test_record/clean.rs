@@ -9,6 +9,9 @@ const OUTLIER: f64 = 0.05;
 /// ... and by more than so many standard deviations of the noise.
 const OUTLIER_NOISE: f64 = 8.0;
 
+/// A yield peak rises by no more than so many times the lesser of the two steps that lead up to it; an outlier rises suddenly.
+const LED_UP_TO: f64 = 1.5;
+
 /// Unloading is a strain that falls below the largest before by more than so many standard deviations of its noise ...
 const UNLOADING_NOISE: f64 = 6.0;
 
@@ -23,6 +26,9 @@ const FRACTURE_STEP_LEAST: f64 = 0.01;
 
 /// A fall by less than this part of the largest force is no fracture.
 const FRACTURE: f64 = 0.1;
+
+/// Nor is one after which more than this part of the force is carried to twice the strain: it is that of an upper yield point.
+const CARRIED: f64 = 0.5;
 
 /// Rows sorted by strain, and what was done to them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -77,10 +83,15 @@ fn without_outliers(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
         let off = |k: usize| (values[k] - medians[k]).abs() > limit;
         // The first and the last rows have neighbours on one side only: there a fracture looks like an outlier.
         let inner = NEIGHBOURS..values.len().saturating_sub(NEIGHBOURS);
+        let mut keep = vec![true; values.len()];
+        for k in inner.filter(|k| off(*k)) {
+            keep[k] =
+                keep[k - NEIGHBOURS..k] == [true; NEIGHBOURS] && is_led_up_to(&values[k - NEIGHBOURS..=k + 1], limit);
+        }
         let mut place = 0;
         rows.retain(|_| {
             place += 1;
-            !(inner.contains(&(place - 1)) && off(place - 1))
+            keep[place - 1]
         });
     }
     if rows.len() < before {
@@ -89,6 +100,13 @@ fn without_outliers(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
             count(before - rows.len())
         ));
     }
+}
+
+/// The last but one of five values lies on the steep line of those before, or is the peak at its end, as an upper yield point is.
+fn is_led_up_to(values: &[f64], limit: f64) -> bool {
+    let [first, second, third, value, after] = *values else { return false };
+    let rises = value > third && value - third <= LED_UP_TO * (third - second).min(second - first);
+    rises && (after < value || (value - 0.5 * (third + after)).abs() <= limit)
 }
 
 /// Standard deviation of the noise of a series: the median of its second differences, over that of white noise.
@@ -127,9 +145,12 @@ fn cut_at_fracture(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> boo
         highest_after[k] = highest_after[k + 1].max(stress[k]);
     }
     let first = top.saturating_sub(NEIGHBOURS);
+    let last_strain = rows[rows.len() - 1].0;
+    let carries_on = |k: usize, end: usize| highest_after[end] > CARRIED * stress[k] && last_strain > 2.0 * rows[k].0;
     let Some(last) = (first..stress.len().saturating_sub(1)).find(|&k| {
         let end = (k..stress.len() - 1).take_while(|&j| falls(j)).last().map_or(k, |j| j + 1);
-        end > k && stress[k] - stress[end] > FRACTURE * largest && highest_after[end] < stress[k] - FRACTURE * largest
+        let for_good = highest_after[end] < stress[k] - FRACTURE * largest && !carries_on(k, end);
+        end > k && stress[k] - stress[end] > FRACTURE * largest && for_good
     }) else {
         return false;
     };
@@ -202,6 +223,27 @@ mod tests {
             clean(&record),
             Cleaned { rows: record, of_one_strain: vec![1; 100], fractured: false, changes: Vec::new() }
         );
+    }
+
+    /// Elastic rows in steps of 20 MPa up to a peak, then a plateau 40 MPa below it.
+    fn with_yield_peak() -> Vec<(f64, f64)> {
+        let rows = (0..100).map(|i| (1e-4 * f64::from(i), if i <= 15 { 20e6 * f64::from(i) } else { 260e6 }));
+        rows.collect()
+    }
+
+    #[test]
+    fn a_yield_peak_of_one_row_is_neither_outlier_nor_fracture() {
+        let record = with_yield_peak();
+        let cleaned = clean(&record);
+        assert_eq!((&cleaned.rows, cleaned.fractured), (&record, false), "{:?}", cleaned.changes);
+        // On the elastic line, before, at and behind its end, and on the plateau.
+        for (place, stress) in [(8, 250e6), (8, 80e6), (14, 310e6), (16, 350e6), (17, 300e6), (60, 290e6), (60, 230e6)]
+        {
+            let mut wrong = record.clone();
+            wrong[place].1 = stress;
+            let cleaned = clean(&wrong);
+            assert!(!cleaned.rows.contains(&wrong[place]), "{place}, {stress}: {:?}", cleaned.changes);
+        }
     }
 
     #[test]

@@ -255,6 +255,23 @@ fn rounded_strains_do_not_end_the_elastic_line() {
     }
 }
 
+/// The row at the upper yield point was removed as an outlier, and the limit was 8 to 12 % too low.
+#[test]
+fn an_upper_yield_point_of_one_row_is_the_elastic_limit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for elastic_rows in [12, 16, 25] {
+        let spacing = 1.75e-3 / f64::from(elastic_rows);
+        let stress = |e: f64| if e < 1.7501e-3 { 200e9 * e } else { 300e6 + 3e9 * (e - 0.01).max(0.0) };
+        let rows: Vec<_> = (0..32 * elastic_rows).map(|i| spacing * f64::from(i)).map(|e| (e, stress(e))).collect();
+        let found = import(folder.path(), "a.csv", &csv(&rows), &[]);
+        let error = number(&found["elastic_limit_Pa"]) / 350e6 - 1.0;
+        assert!(error.abs() < 1e-3, "{elastic_rows} elastic rows: {error}: {found:#}");
+        let knots: Vec<(f64, f64)> =
+            serde_json::from_value(found["records"][0]["reduction"]["knots"].clone()).expect("knots");
+        assert!((knots[2].1 / 300e6 - 1.0).abs() < 1e-3, "{elastic_rows} elastic rows: {knots:?}");
+    }
+}
+
 /// The options for the measure, the toe and the window of the smoothing, each against the default.
 #[test]
 fn measure_toe_and_smoothing_can_be_set() {

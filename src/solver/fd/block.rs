@@ -13,7 +13,7 @@ use super::segment::{Constants, SegmentLaw};
 use super::signals::{Signals, inner_nodes};
 use super::sizes::MOST_CELLS;
 use super::taper::BlockTaper;
-use super::travelling::Waves;
+use super::waves::Waves;
 use crate::law::{
     Aligned, AlignedRow, DataEnd, FirstPassed, Row, RowLaw, StrainedRow, aligned_row, any_flows, elastic_row, split_off,
 };

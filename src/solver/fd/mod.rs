@@ -31,6 +31,7 @@ mod subdomain;
 mod sweep;
 mod taper;
 mod travelling;
+mod waves;
 
 pub use breaking::Unresolved;
 pub use contact::ContactState;

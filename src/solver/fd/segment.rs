@@ -32,9 +32,12 @@ impl SegmentLaw {
     /// Waves can be shocks where E times the largest accumulated plastic strain is `reached` (Pa), or where the velocity changes by `gap` (m/s)
     /// over a cell; always where the curve is followed both ways, and unloading waves are shocks.
     pub(super) fn has_shocks(&self, reached: f64, gap: f64) -> bool {
+        let Shocks { loading, unloading, velocity } = self.shocks;
+        if loading == [0.0; 2] || unloading != [0.0; 2] {
+            return unloading != [0.0; 2];
+        }
         let first = self.stiffenings.iter().filter_map(|knots| knots.first()).copied().fold(f64::INFINITY, f64::min);
-        let unloads = self.shocks.unloading != [0.0; 2];
-        unloads || reached > NEAR_STRAIN * first || gap > NEAR_VELOCITY * self.shocks.velocity
+        reached > NEAR_STRAIN * first || gap > NEAR_VELOCITY * velocity
     }
 }
 

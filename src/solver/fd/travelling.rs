@@ -1,20 +1,11 @@
-//! Blocks that have not yielded as two waves that travel unchanged.
+//! Blocks that have not yielded are carried as two waves, see [`super::waves`].
 //!
-//! At Courant number 1 the scheme carries elastic waves exactly, a cell in a step. With f that runs to the right and g to the left,
-//!
-//! ```text
-//! sigma_i = f_i + g_i,    rho c0 v_i = g_i - f_(i-1)
-//! ```
-//!
-//! where node i is to the left of cell i: d'Alembert's solution on the staggered grid. A step moves f and g on by a cell, and only what
-//! comes in at the two edges is new: f from the left node, g from the right one. So it costs the same for any number of cells, until
-//! both waves together could reach the elastic limit somewhere in the block. A block begins with it when the nodes at both its
-//! edges have changed their velocity in as many steps as it has cells: where sharp waves pass, cells rest in between, which costs even less.
-
-use serde::{Deserialize, Serialize};
+//! A step costs the same for any number of cells, until both waves together could reach the elastic limit somewhere in the block. A block begins
+//! with it when the nodes at both its edges have changed their velocity in as many steps as it has cells: where sharp waves pass, cells rest in
+//! between, which costs even less.
 
 use super::block::{Block, BlockLaw};
-use crate::elementary::{larger, lesser};
+use super::waves::Waves;
 
 /// Fewest cells of a block that are carried as waves: a few are as quickly stepped.
 const FEWEST_CELLS: usize = 16;
@@ -22,168 +13,11 @@ const FEWEST_CELLS: usize = 16;
 /// Oscillations from cell to cell that the grid filter need not see, in terms of the yield stress.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// The waves in a block, both as rho c0 times a velocity, Pa.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Waves {
-    /// f from left to right, from entry `cells - turn` on and then from the first one.
-    right: Vec<f64>,
-    /// g likewise, from entry `turn` on.
-    left: Vec<f64>,
-    /// Steps taken, less all whole turns.
-    turn: usize,
-    /// Of f and g, all that has been in the block since the latest turn but one began.
-    spans: [Span; 2],
-    /// Of those, what came in since the latest turn began.
-    latest: [Span; 2],
-}
-
-/// Least and largest value.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Span {
-    low: f64,
-    high: f64,
-}
-
-impl Span {
-    const NOTHING: Self = Self { low: f64::INFINITY, high: f64::NEG_INFINITY };
-
-    fn of(values: &[f64]) -> Self {
-        values.iter().fold(Self::NOTHING, |span, &value| span.with(value))
-    }
-
-    #[inline(always)]
-    fn with(self, value: f64) -> Self {
-        Self { low: lesser(self.low, value), high: larger(self.high, value) }
-    }
-
-    #[inline(always)]
-    fn has(&self, value: f64) -> bool {
-        self.low <= value && value <= self.high
-    }
-}
-
-impl Waves {
-    /// Those under these stresses, between these nodes of `impedance` rho c0 (Pa s/m); the two outer nodes are not read. Both are found from
-    /// either side, so that a bar and its mirror image have the same bits.
-    fn of(impedance: f64, sigma: &[f64], v: &[f64]) -> Self {
-        let last = sigma.len() - 1;
-        let from_left = without_alternating_part(last + 1, |i| sigma[i] - impedance * v[i]);
-        let mut from_right = without_alternating_part(last + 1, |i| sigma[last - i] + impedance * v[last + 1 - i]);
-        from_right.reverse();
-        let mean = |of: &[f64], other: &[f64]| {
-            let all = sigma.iter().zip(of).zip(other);
-            all.map(|((sigma, own), other)| 0.5 * (own + (sigma - other))).collect::<Vec<f64>>()
-        };
-        let (right, left) = (mean(&from_left, &from_right), mean(&from_right, &from_left));
-        let spans = [Span::of(&right), Span::of(&left)];
-        Self { right, left, turn: 0, spans, latest: [Span::NOTHING; 2] }
-    }
-
-    fn cells(&self) -> usize {
-        self.right.len()
-    }
-
-    /// f and g of cell i.
-    #[inline(always)]
-    fn at(&self, i: usize) -> [f64; 2] {
-        let cells = self.cells();
-        let wrapped = |entry: usize| if entry < cells { entry } else { entry - cells };
-        [self.right[wrapped(i + cells - self.turn)], self.left[wrapped(i + self.turn)]]
-    }
-
-    /// Stress of cell i, Pa.
-    #[inline(always)]
-    pub fn stress(&self, i: usize) -> f64 {
-        let [f, g] = self.at(i);
-        f + g
-    }
-
-    /// Velocity of the node to the left of cell i, inside the block, m/s; `gain` is 1/(rho c0).
-    pub fn velocity(&self, i: usize, gain: f64) -> f64 {
-        gain * (self.at(i)[1] - self.at(i - 1)[0])
-    }
-
-    /// What comes in at both edges in a step, at the left f and at the right g, where these nodes move at rho c0 times their velocity.
-    #[inline(always)]
-    fn incoming(&self, [first, last]: [f64; 2]) -> [f64; 2] {
-        [self.left[self.turn] - first, self.right[self.cells() - 1 - self.turn] + last]
-    }
-
-    /// Moves on by a step.
-    #[inline(always)]
-    fn take(&mut self, [f, g]: [f64; 2]) {
-        let cells = self.cells();
-        self.right[cells - 1 - self.turn] = f;
-        self.left[self.turn] = g;
-        self.spans = [self.spans[0].with(f), self.spans[1].with(g)];
-        self.latest = [self.latest[0].with(f), self.latest[1].with(g)];
-        self.turn += 1;
-        if self.turn == cells {
-            self.turn = 0;
-            self.spans = std::mem::replace(&mut self.latest, [Span::NOTHING; 2]);
-        }
-    }
-
-    /// Largest stress that both can have together.
-    fn peak(&self) -> f64 {
-        let [f, g] = self.spans;
-        larger(f.high + g.high, -(f.low + g.low))
-    }
-
-    /// The stresses, and the velocities of the nodes inside the block; `gain` is 1/(rho c0).
-    fn show(&self, gain: f64, sigma: &mut [f64], v: &mut [f64]) {
-        let (cells, outer) = (self.cells(), v[0]);
-        sigma.copy_from_slice(&self.right);
-        sigma.rotate_right(self.turn);
-        let (later, first) = self.left.split_at(self.turn);
-        v[..first.len()].copy_from_slice(first);
-        v[first.len()..cells].copy_from_slice(later);
-        for i in (1..cells).rev() {
-            let g = v[i];
-            v[i] = gain * (g - sigma[i - 1]);
-            sigma[i] += g;
-        }
-        sigma[0] += v[0];
-        v[0] = outer;
-    }
-
-    /// One of the waves oscillates from cell to cell as it comes in.
-    fn oscillate(&self, incoming: [f64; 2], law: BlockLaw<'_>) -> bool {
-        let last = self.cells() - 1;
-        let right = [incoming[0], self.at(0)[0], self.at(1)[0], self.at(2)[0]];
-        let left = [incoming[1], self.at(last)[1], self.at(last - 1)[1], self.at(last - 2)[1]];
-        oscillates(&right, law) || oscillates(&left, law)
-    }
-}
-
 /// Four values of a wave, side by side, go up and down by more than [`NEGLIGIBLE`].
 fn oscillates(wave: &[f64], law: BlockLaw<'_>) -> bool {
     let [first, middle, last] = [0, 1, 2].map(|i| wave[i + 1] - wave[i]);
     middle.abs() > NEGLIGIBLE * law.yield_stress
         && law.filter.oscillates([first, middle, last].map(|difference| law.velocity_gain * difference))
-}
-
-/// A wave of so many cells, each of which has with the one before the sum `pair`. That leaves open a part that alternates from cell to cell.
-fn without_alternating_part(cells: usize, pair: impl Fn(usize) -> f64) -> Vec<f64> {
-    let mut before = 0.0;
-    let rest = (1..cells).map(|i| {
-        before = pair(i) - before;
-        before
-    });
-    let mut wave: Vec<f64> = std::iter::once(0.0).chain(rest).collect();
-    let part = alternating_part(&wave);
-    wave.iter_mut().zip([part, -part].into_iter().cycle()).for_each(|(own, part)| *own -= part);
-    wave
-}
-
-/// What of a wave alternates from cell to cell everywhere: the median of the fourth part of its second differences, each taken with the sense of
-/// its cell, as sharp waves have large ones in a few cells.
-fn alternating_part(wave: &[f64]) -> f64 {
-    let sense = |i: usize| if i.is_multiple_of(2) { 0.25 } else { -0.25 };
-    let own = |(i, w): (usize, &[f64])| sense(i) * (w[0] - 2.0 * w[1] + w[2]);
-    let mut own: Vec<f64> = wave.windows(3).enumerate().map(own).collect();
-    let middle = own.len() / 2;
-    *own.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 impl BlockLaw<'_> {
@@ -202,8 +36,7 @@ impl Block {
         let Some(waves) = &mut self.waves else { return false };
         let (cells, damped) = (waves.cells(), self.damps_from <= law.step);
         let incoming = waves.incoming([law.stress_gain * self.v[0], law.stress_gain * self.v[cells]]);
-        let as_before = waves.spans[0].has(incoming[0]) && waves.spans[1].has(incoming[1]) && !damped;
-        if !as_before && !self.go_on_travelling(incoming, law) {
+        if (damped || !waves.span(incoming)) && !self.go_on_travelling(incoming, law) {
             self.stop_travelling(law.velocity_gain);
             self.travels_from = law.step + cells;
             return false;
@@ -221,11 +54,10 @@ impl Block {
     /// Whether the block can still be carried as waves with what comes in.
     fn go_on_travelling(&self, incoming: [f64; 2], law: BlockLaw<'_>) -> bool {
         let Some(waves) = &self.waves else { return false };
-        let [f, g] = [0, 1].map(|wave| waves.spans[wave].with(incoming[wave]));
         let damped = self.damps_from <= law.step;
         !self.needs_cells(law)
-            && law.stays_below(larger(f.high + g.high, -(f.low + g.low)))
-            && !(damped && waves.oscillate(incoming, law))
+            && law.stays_below(waves.peak_with(incoming))
+            && !(damped && waves.entering(incoming).iter().any(|wave| oscillates(wave, law)))
     }
 
     fn starts_to_travel(&mut self, law: BlockLaw<'_>) -> bool {
@@ -240,8 +72,7 @@ impl Block {
         }
         let waves = Waves::of(law.stress_gain, &self.sigma, &self.v);
         let damped = self.damps_from <= law.step;
-        let oscillates = |wave: &[f64]| damped && wave.windows(4).any(|four| oscillates(four, law));
-        let travels = law.stays_below(waves.peak()) && !oscillates(&waves.right) && !oscillates(&waves.left);
+        let travels = law.stays_below(waves.peak()) && !(damped && waves.have(|four| oscillates(four, law)));
         if travels {
             self.wake();
             self.impulses_at_edges = [0.0; 2];
@@ -289,7 +120,6 @@ impl Block {
 mod tests {
     use proptest::prelude::*;
 
-    use super::*;
     use crate::bar::{Bar, EndCondition, History, Segment};
     use crate::law::{DataEnd, Indexed, Isotropic, Rows, Table};
     use crate::material::{Beyond, Curve, Material, Sense};
@@ -389,13 +219,5 @@ mod tests {
             bar.advance_by(100);
             assert_eq!(carried(&bar), 0);
         }
-    }
-
-    #[test]
-    fn the_part_that_alternates_is_found_beside_sharp_waves() {
-        let wave = |i: usize| if (100..140).contains(&i) { 3.0 } else { 1.0 };
-        let ripple = |i: usize| if i.is_multiple_of(2) { 0.25 } else { -0.25 };
-        let wave: Vec<f64> = (0..256).map(|i| wave(i) + ripple(i)).collect();
-        assert_eq!(alternating_part(&wave), 0.25);
     }
 }

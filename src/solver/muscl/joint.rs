@@ -87,7 +87,9 @@ impl Joint {
         if !contact.advance(dt, force, free[1].velocity - free[0].velocity) {
             return free;
         }
-        contact.lose(force, gap);
+        if gap > 0.0 {
+            contact.lose(force, dt * (closed[0].velocity - closed[1].velocity));
+        }
         contact.note(dt, force);
         closed
     }

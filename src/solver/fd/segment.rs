@@ -29,6 +29,11 @@ const NEAR_STRAIN: f64 = 0.5;
 const NEAR_VELOCITY: f64 = 0.25;
 
 impl SegmentLaw {
+    /// E times the least accumulated plastic strain at which its curve stiffens, Pa; infinite where it does not.
+    pub(super) fn first_stiffening(&self) -> f64 {
+        self.stiffenings.iter().filter_map(|knots| knots.first()).copied().fold(f64::INFINITY, f64::min)
+    }
+
     /// Waves can be shocks where E times the largest accumulated plastic strain is `reached` (Pa), or where the velocity changes by `gap` (m/s)
     /// over a cell; always where the curve is followed both ways, and unloading waves are shocks.
     pub(super) fn has_shocks(&self, reached: f64, gap: f64) -> bool {
@@ -36,8 +41,7 @@ impl SegmentLaw {
         if loading == [0.0; 2] || unloading != [0.0; 2] {
             return unloading != [0.0; 2];
         }
-        let first = self.stiffenings.iter().filter_map(|knots| knots.first()).copied().fold(f64::INFINITY, f64::min);
-        reached > NEAR_STRAIN * first || gap > NEAR_VELOCITY * velocity
+        reached > NEAR_STRAIN * self.first_stiffening() || gap > NEAR_VELOCITY * velocity
     }
 }
 

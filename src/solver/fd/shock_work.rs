@@ -54,8 +54,7 @@ impl Block {
 
     /// Its cells inside shocks; `beside` are the [`Self::stiffenings_inside`] of both neighbours.
     pub fn find_shocks(&self, law: &SegmentLaw, beside: [usize; 2]) -> Option<InShock> {
-        let first = law.stiffenings.iter().filter_map(|knots| knots.first()).copied().fold(f64::INFINITY, f64::min);
-        if self.reached <= first && beside == [0; 2] {
+        if self.reached <= law.first_stiffening() && beside == [0; 2] {
             return None;
         }
         let own = (0..self.sigma.len()).step_by(REACH).map(|cell| self.stiffenings(law, cell));

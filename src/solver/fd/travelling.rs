@@ -33,27 +33,25 @@ impl Block {
         if self.waves.is_none() && !self.starts_to_travel(law) {
             return false;
         }
-        let Some(waves) = &mut self.waves else { return false };
+        let Some(mut waves) = self.waves.take() else { return false };
         let (cells, damped) = (waves.cells(), self.damps_from <= law.step);
         let incoming = waves.incoming([law.stress_gain * self.v[0], law.stress_gain * self.v[cells]]);
-        if (damped || !waves.span(incoming)) && !self.go_on_travelling(incoming, law) {
-            self.stop_travelling(law.velocity_gain);
-            self.travels_from = law.step + cells;
-            return false;
-        }
-        if let Some(waves) = &mut self.waves {
+        let goes_on = !damped && waves.span(incoming) || self.goes_on_travelling(&waves, incoming, law);
+        if goes_on {
             waves.take(incoming);
             (self.sigma[0], self.sigma[cells - 1]) = (waves.stress(0), waves.stress(cells - 1));
-            if !self.watched.is_empty() {
-                self.show_watched(law.velocity_gain);
-            }
+            self.show_watched(&waves, law.velocity_gain);
         }
-        true
+        self.waves = Some(waves);
+        if !goes_on {
+            self.stop_travelling(law.velocity_gain);
+            self.travels_from = law.step + cells;
+        }
+        goes_on
     }
 
-    /// Whether the block can still be carried as waves with what comes in.
-    fn go_on_travelling(&self, incoming: [f64; 2], law: BlockLaw<'_>) -> bool {
-        let Some(waves) = &self.waves else { return false };
+    /// Whether the block can still be carried as these waves with what comes in.
+    fn goes_on_travelling(&self, waves: &Waves, incoming: [f64; 2], law: BlockLaw<'_>) -> bool {
         let damped = self.damps_from <= law.step;
         !self.needs_cells(law)
             && law.stays_below(waves.peak_with(incoming))
@@ -106,8 +104,7 @@ impl Block {
     }
 
     /// Brings the watched cells up to date, with what their velocities depend on.
-    fn show_watched(&mut self, gain: f64) {
-        let Some(waves) = &self.waves else { return };
+    fn show_watched(&mut self, waves: &Waves, gain: f64) {
         for &cell in &self.watched {
             let shown = cell.saturating_sub(1)..=(waves.cells() - 1).min(cell + 1);
             shown.clone().for_each(|i| self.sigma[i] = waves.stress(i));

@@ -111,6 +111,20 @@ fn mirror_images_have_the_same_figures() {
     }
 }
 
+/// Behind an absorbing end a moving bar goes on for ever: a striker comes to its velocity, as one comes to rest on a bar at rest.
+#[test]
+fn a_striker_does_not_rebound_from_a_bar_without_end() {
+    let striker = "kind = \"striker\"\nmass = 0.1\nvelocity = 2";
+    for velocity in [0.0, 1.0, -2.0] {
+        for method in METHODS {
+            let text = scene(method, &uniform(velocity), [striker, "kind = \"absorbing\""], 20.0 * transit());
+            let left = &summary(method.0, &text, &[])["left"];
+            assert_near(method.0, &left["restitution"], 0.0, 1e-6);
+            assert_near(method.0, &left["striker_velocity_after_m_s"], velocity, 1e-6);
+        }
+    }
+}
+
 /// A rigid striker of mass m on a free bar of mass M leaves when the first wave returns, with V exp(-2 M/m) (St Venant).
 #[test]
 fn a_striker_leaves_a_free_bar_when_the_wave_returns() {

@@ -75,7 +75,7 @@ fn end(records: &Records<'_>, bodies: &[Body], side: usize) -> Site {
     let face = Face::End(side);
     let inside = body.filter(|_| contact(records, face).is_some()).and_then(|body| motion(records, body));
     let outside = outside(records, side);
-    let held = body.and_then(|body| records.rests_beyond(body, face));
+    let held = body.and_then(|body| records.held_beyond(body, face));
     let mut pair = [outside, inside.or(held).filter(|_| body.is_some_and(|body| touches_only(records, body, face)))];
     let mut after = [None, inside.map(|motion| motion.after)];
     if side == 1 {
@@ -100,7 +100,7 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
         let body = beside(side)?;
         let alone = touches_only(records, body, face);
         let free = motion(records, body);
-        Some((free, free.or_else(|| records.rests_beyond(body, face)).filter(|_| alone)))
+        Some((free, free.or_else(|| records.held_beyond(body, face)).filter(|_| alone)))
     });
     let mut load = records.tally.joints[k];
     let mut area = records.joint_areas[k];
@@ -189,7 +189,7 @@ fn contact(records: &Records<'_>, face: Face) -> Option<ContactTime> {
 /// No other face of a body has carried force, but for a support.
 fn touches_only(records: &Records<'_>, body: &Body, face: Face) -> bool {
     let other = if body.faces[0] == face { body.faces[1] } else { body.faces[0] };
-    records.rests_beyond(body, face).is_some()
+    records.held_beyond(body, face).is_some()
         || contact(records, other).map_or_else(|| is_free(records, other), |contact| contact.duration == 0.0)
 }
 
@@ -254,10 +254,18 @@ impl Records<'_> {
         self.contacts.iter().copied().find(|contact| contact.joint == k)
     }
 
-    /// A body with a fixed or absorbing far face counts as a body at rest.
-    fn rests_beyond(&self, body: &Body, face: Face) -> Option<Motion> {
+    /// A body with a fixed far face counts as a body at rest, one with an absorbing far face keeps the velocity with which it starts there.
+    fn held_beyond(&self, body: &Body, face: Face) -> Option<Motion> {
         let other = if body.faces[0] == face { body.faces[1] } else { body.faces[0] };
-        let held = |side: usize| matches!(self.ends[side], EndCondition::Fixed | EndCondition::Absorbing);
-        matches!(other, Face::End(side) if held(side)).then_some(AT_REST)
+        let Face::End(side) = other else { return None };
+        let segments = &self.bar.segments;
+        match self.ends[side] {
+            EndCondition::Fixed => Some(AT_REST),
+            EndCondition::Absorbing => {
+                let start = segments[[0, segments.len() - 1][side]].end_velocities()[side];
+                Some(Motion { before: start, after: start })
+            }
+            _ => None,
+        }
     }
 }

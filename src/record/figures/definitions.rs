@@ -136,7 +136,8 @@ pub(super) static LOAD: &[Definition<Site>] = &[
         ("restitution", Dimension::None, "restitution"),
         "coefficient of restitution, relative velocity of separation over that of approach, with mass-mean velocities; absent \
          if one of the \
-         bodies has another contact. A fixed or absorbing far end counts as a body at rest",
+         bodies has another contact. A fixed far end counts as a body at rest, an absorbing one as a body that keeps its \
+         initial velocity",
         |site| site.restitution,
     ),
 ];

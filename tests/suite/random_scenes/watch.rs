@@ -1,7 +1,7 @@
 //! Follows the bar of a scene to its end and looks at what must hold at any moment.
 
 use barwave::assemble;
-use barwave::bar::EndCondition;
+use barwave::bar::{EndCondition, Segment};
 use barwave::material::{Beyond, Curve, Sense};
 use barwave::record::{Field, Ledger, Stepped, View};
 use barwave::scene::{HardeningRule, Method, Scene};
@@ -181,6 +181,8 @@ struct Watch {
     numerical: f64,
     plastic: f64,
     returns: bool,
+    /// Plastic work done before the start, J: an elastic range that was moved by it gives some of it back.
+    earlier: f64,
     /// What a grid may give because of the size of its cells, J.
     cell: f64,
     /// What a ball at an end of a tracked bar may give or take by waves that it does not answer, W.
@@ -213,6 +215,7 @@ impl Watch {
             },
             plastic: if both_ways || gives_back(scene) { f64::INFINITY } else { 0.0 },
             returns: both_ways,
+            earlier: if isotropic { 0.0 } else { earlier_work(scene) },
             given: 0.0,
             unanswered: 0.0,
             cell: 0.0,
@@ -249,7 +252,7 @@ impl Watch {
                 "half_step" => f64::INFINITY,
                 "numerical" => (self.numerical * self.energy).max(self.cell) + unanswered + slack,
                 // What gathers at a place is plastic work too.
-                "plastic" | "heat" | "concentrated" => self.plastic * self.energy + slack,
+                "plastic" | "heat" | "concentrated" => self.plastic * self.energy + self.earlier + slack,
                 _ => slack,
             };
             if now < -least {
@@ -305,6 +308,23 @@ impl Watch {
             gathers: self.last.concentrated > self.slack * self.energy,
         }
     }
+}
+
+/// Plastic work, J, that has brought a bar to the plastic strains with which it starts, in one sense; or more.
+pub fn earlier_work(scene: &Scene) -> f64 {
+    let of = |segment: &Segment| {
+        let table = segment.profile.as_ref().map(|profile| profile.plastic_strain.largest());
+        let plastic = table.unwrap_or(segment.initial.plastic_strain.abs());
+        let work = [Sense::Tension, Sense::Compression].map(|sense| {
+            let curve = segment.material.branch(sense);
+            // The strain at which the elastic part of it leaves this plastic strain.
+            let strain =
+                (0..200).fold(plastic, |strain, _| plastic + curve.stress_at(strain) / segment.material.modulus);
+            plastic * curve.stress_at(strain)
+        });
+        segment.mean_area(0.0, segment.length) * segment.length * work[0].max(work[1])
+    };
+    scene.bar.segments.iter().map(of).sum()
 }
 
 /// Where a back stress that grows by the tangent at the accumulated plastic strain may give back more than it stored: see
@@ -374,7 +394,7 @@ impl StressLimits {
         }
         // A heated bar that starts with a plastic strain or a temperature of its own does not follow the adiabatic curve, but stays below the
         // cold one.
-        let curves = |segment: &barwave::bar::Segment| {
+        let curves = |segment: &Segment| {
             let starts_on_curve = !(segment.has_yielded() || segment.starts_warm());
             let heating = segment.material.heating.as_ref().filter(|_| !starts_on_curve);
             let cold = |k: usize| heating.map(|heating| &heating.cold[k.min(heating.cold.len() - 1)]);

@@ -176,7 +176,9 @@ impl EndNode {
         // More than the bar can carry on half a cell: it is stopped, perhaps over two steps.
         let stopped = (force - cell).abs() > self.limit;
         self.struck = held && (!self.held || stopped || self.model.jumps(time, self.dt));
-        self.stress = if self.struck { shown } else { -force / self.face.area };
+        // A force that the end gave before, as none where it was free, is known; else its cell tells what it carried.
+        let before = if self.held || self.means[1].is_nan() { shown } else { -self.means[1] / self.face.area };
+        self.stress = if self.struck { before } else { -force / self.face.area };
         let ahead = 2.0 * force - self.impulses.passed_on(cell, self.passed_on);
         self.means = [self.means[1], ahead];
         self.start = None;
@@ -446,8 +448,8 @@ impl EndNode {
         if self.struck { before } else { 0.5 * (before + self.velocity_after()) }
     }
 
-    /// Stress at the end at the current time, Pa. Where the end is suddenly made to move it is that of the end cell, before the
-    /// jump, without the impulse that the half cell's mass takes up.
+    /// Stress at the end at the current time, Pa. Where the end is suddenly made to move it is that before the jump, without the impulse
+    /// that the half cell's mass takes up: that of the end cell where the end was held before, too.
     pub fn stress(&self) -> f64 {
         self.stress
     }

@@ -281,10 +281,12 @@ fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
     let along = assemble::along(&scene.bar, &scene.effects);
     let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], DistributedForces::bytes_per_cell);
-    // Before they yield, cells can be carried as two waves beside them.
+    // Elastic cells can be carried as two waves beside them; those that have yielded where the law tells that they are elastic again.
     let waves = if along.is_none() && scene.effects.rupture.is_none() { 2 * number } else { 0 };
+    let state = vec![0.0; law.law.state_len()];
+    let waves_again = if law.law.elastic_up_to(law.yield_stress, &state) > 0.0 { waves } else { 0 };
     let elastic = 2 * number + waves + sections + nodes;
-    let yielded = (2 + law.law.state_len()) * number + size_of::<f32>() + work_kept + sections + yielded_nodes;
+    let yielded = (2 + state.len()) * number + size_of::<f32>() + waves_again + work_kept + sections + yielded_nodes;
     Cell { bytes: [elastic, yielded], net: None }
 }
 

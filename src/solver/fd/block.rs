@@ -90,9 +90,7 @@ pub(super) struct Block {
     /// Waves can be shocks, here or in a neighbour.
     pub meets_shocks: bool,
     /// Steps that no cell of the yielded block flowed in; and the stress up to which its cells stay elastic then, Pa, 0 where that is not known.
-    #[serde(skip)]
     pub steps_without_flow: u32,
-    #[serde(skip)]
     pub elastic_up_to: f64,
     /// The waves of a block that is carried as such: stresses and velocities are then those shown last, but for the ones at the edges.
     pub waves: Option<Box<Waves>>,

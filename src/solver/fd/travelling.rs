@@ -20,6 +20,25 @@ const COMING_TO_REST: f64 = 1e-6;
 /// Largest part of its elastic limit at which a block that has yielded begins to be carried: behind a front cells stay at their limit.
 const UNLOADED: f64 = 0.9;
 
+/// Stresses that decide whether a block is carried, Pa.
+struct Bounds {
+    /// Up to which its cells are known to be elastic; 0 where that is not known.
+    elastic: f64,
+    /// Up to which it begins to be carried.
+    unloaded: f64,
+    /// Of oscillations that are negligible.
+    oscillation: f64,
+    /// Of changes at its edges by which it is coming to rest.
+    rest: f64,
+}
+
+/// Four values of a wave, side by side, go up and down by more than is `negligible` (Pa).
+fn oscillates(wave: &[f64], negligible: f64, law: BlockLaw<'_>) -> bool {
+    let [first, middle, last] = [0, 1, 2].map(|i| wave[i + 1] - wave[i]);
+    middle.abs() > negligible
+        && law.filter.oscillates([first, middle, last].map(|difference| law.velocity_gain * difference))
+}
+
 impl Block {
     /// Takes the step of a block that is carried as waves, or can be from now on. False where it cannot, and nothing is done.
     pub fn travel(&mut self, law: BlockLaw<'_>) -> bool {
@@ -45,19 +64,19 @@ impl Block {
 
     /// Whether the block can still be carried as these waves with what comes in.
     fn goes_on_travelling(&self, waves: &Waves, incoming: [f64; 2], law: BlockLaw<'_>) -> bool {
-        let damped = self.damps_from <= law.step;
+        let (damped, bounds) = (self.damps_from <= law.step, self.bounds(law));
         !self.needs_cells(law)
-            && self.stays_elastic_up_to(waves.peak_with(incoming), law)
-            && !(damped && waves.entering(incoming).iter().any(|wave| self.oscillates(wave, law)))
+            && self.stays_within(bounds.elastic, waves.peak_with(incoming), law)
+            && !(damped && waves.entering(incoming).iter().any(|wave| oscillates(wave, bounds.oscillation, law)))
     }
 
     fn starts_to_travel(&mut self, law: BlockLaw<'_>) -> bool {
         let cells = self.sigma.len();
         let edges = [self.v[0], self.v[cells]];
         let before = std::mem::replace(&mut self.latest_edges, edges);
-        let negligible = if self.is_plastic() { COMING_TO_REST * law.yield_stress } else { 0.0 };
-        let rests = |side: usize| law.stress_gain * (edges[side] - before[side]).abs() <= negligible;
-        if rests(0) || rests(1) || self.is_plastic() && self.elastic_up_to == 0.0 {
+        let bounds = self.bounds(law);
+        let rests = |side: usize| law.stress_gain * (edges[side] - before[side]).abs() <= bounds.rest;
+        if rests(0) || rests(1) || bounds.elastic == 0.0 {
             self.travels_from = law.step + cells;
         }
         if !law.travels || law.step < self.travels_from || self.needs_cells(law) {
@@ -65,8 +84,8 @@ impl Block {
         }
         let waves = Waves::of(law.stress_gain, &self.sigma, &self.v);
         let damped = self.damps_from <= law.step;
-        let peak = if self.is_plastic() { waves.peak() / UNLOADED } else { waves.peak() };
-        let travels = self.stays_elastic_up_to(peak, law) && !(damped && waves.have(|four| self.oscillates(four, law)));
+        let travels = self.stays_within(bounds.unloaded, waves.peak(), law)
+            && !(damped && waves.have(|four| oscillates(four, bounds.oscillation, law)));
         if travels {
             self.wake();
             self.impulses_at_edges = [0.0; 2];
@@ -77,21 +96,20 @@ impl Block {
         travels
     }
 
-    /// Four values of a wave, side by side, go up and down by more than is [`NEGLIGIBLE`].
-    fn oscillates(&self, wave: &[f64], law: BlockLaw<'_>) -> bool {
-        let negligible =
-            if self.is_plastic() { NEGLIGIBLE[1] * self.elastic_up_to } else { NEGLIGIBLE[0] * law.yield_stress };
-        let [first, middle, last] = [0, 1, 2].map(|i| wave[i + 1] - wave[i]);
-        middle.abs() > negligible
-            && law.filter.oscillates([first, middle, last].map(|difference| law.velocity_gain * difference))
+    fn bounds(&self, law: BlockLaw<'_>) -> Bounds {
+        if self.is_plastic() {
+            let elastic = self.elastic_up_to;
+            let [unloaded, oscillation] = [UNLOADED * elastic, NEGLIGIBLE[1] * elastic];
+            return Bounds { elastic, unloaded, oscillation, rest: COMING_TO_REST * law.yield_stress };
+        }
+        let elastic = law.yield_stress;
+        Bounds { elastic, unloaded: elastic, oscillation: NEGLIGIBLE[0] * elastic, rest: 0.0 }
     }
 
-    /// Stresses up to `peak` (Pa) neither make a cell flow nor are near a limit of what the law knows.
-    fn stays_elastic_up_to(&self, peak: f64, law: BlockLaw<'_>) -> bool {
-        if self.is_plastic() {
-            return peak <= self.elastic_up_to;
-        }
-        peak <= law.yield_stress && law.end.is_far_below_yield(peak, law.yield_stress)
+    /// Stresses up to `peak` (Pa) stay within `bound`, and are not near a limit of what the law knows: for blocks that have yielded, that is part of the
+    /// bound.
+    fn stays_within(&self, bound: f64, peak: f64, law: BlockLaw<'_>) -> bool {
+        peak <= bound && (self.is_plastic() || law.end.is_far_below_yield(peak, law.yield_stress))
     }
 
     /// Every cell must be stepped: few cells, of various sections, or such that the filter takes shocks in them.

@@ -251,8 +251,9 @@ impl Watch {
             let least = match name {
                 "half_step" => f64::INFINITY,
                 "numerical" => (self.numerical * self.energy).max(self.cell) + unanswered + slack,
+                "plastic" | "heat" => self.plastic * self.energy + self.earlier + slack,
                 // What gathers at a place is plastic work too.
-                "plastic" | "heat" | "concentrated" => self.plastic * self.energy + self.earlier + slack,
+                "concentrated" => self.plastic * self.energy + slack,
                 _ => slack,
             };
             if now < -least {

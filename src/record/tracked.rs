@@ -77,7 +77,7 @@ impl View for FrontTracking {
             impulse_along: now.shifted,
             work: now.work,
             impulse: now.impulse,
-            momentum_scale: (2.0 * now.kinetic * mass).sqrt().max(now.impulse[0].abs() + now.impulse[1].abs()),
+            momentum_scale: (2.0 * now.kinetic * mass).sqrt().max(now.throughput),
         }
     }
 }

@@ -18,6 +18,8 @@ pub(super) struct Account {
     pub gathered: f64,
     /// Impulse given to the bar, N s, into the bar.
     pub impulse: f64,
+    /// Sum of the sizes of the impulses of all steps, N s.
+    pub throughput: f64,
 }
 
 /// Force and velocities of an end between two events.
@@ -106,6 +108,7 @@ impl Stepping {
         self.account.on_face += self.on_face;
         self.account.gathered += self.gathered;
         self.account.impulse += self.impulse;
+        self.account.throughput += self.impulse.abs();
         self.displacement += self.moved;
         (self.moved, self.impulse, self.on_face, self.gathered) = (0.0, 0.0, 0.0, 0.0);
         self.start = self.since;

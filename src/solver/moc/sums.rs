@@ -29,6 +29,8 @@ pub struct Balance {
     pub work: [f64; 2],
     /// Impulse given to the bar through its ends, left and right.
     pub impulse: [f64; 2],
+    /// Sum of the sizes of all impulses of both ends.
+    pub throughput: f64,
 }
 
 impl Balance {
@@ -69,6 +71,7 @@ impl FrontTracking {
             sum.concentrated += account.gathered;
             sum.thinned += account.work - account.on_face;
             sum.impulse[k] = end.face.inward * account.impulse;
+            sum.throughput += account.throughput;
         }
         sum
     }

@@ -33,6 +33,11 @@ impl Joint {
         self.contact.map_or(0.0, |contact| contact.jump())
     }
 
+    /// There is a gap between its faces.
+    pub fn is_apart(&self) -> bool {
+        self.contact.is_some_and(|contact| contact.gap() > 0.0)
+    }
+
     /// The joint, if it can open.
     pub fn contact(&self) -> Option<&Contact> {
         self.contact.as_ref()
@@ -83,11 +88,12 @@ impl Joint {
         };
         let free = [under(0.0, -1.0, parts[0], &near[0], work), under(0.0, 1.0, parts[1], &near[1], work)];
         let closed = known.unwrap_or_else(|| closed_fluxes(contact.closing_rate(dt), parts, near, work));
-        let (force, gap) = (-closed[0].stress * parts[0].area, contact.gap());
+        let force = -closed[0].stress * parts[0].area;
+        let apart = contact.gap() > 0.0;
         if !contact.advance(dt, force, free[1].velocity - free[0].velocity) {
             return free;
         }
-        if gap > 0.0 {
+        if apart {
             contact.lose(force, dt * (closed[0].velocity - closed[1].velocity));
         }
         contact.note(dt, force);

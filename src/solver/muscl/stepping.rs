@@ -205,7 +205,9 @@ impl Muscl {
             let behind = |segment: usize, side: usize| {
                 let here = |fan: &&StartingFan| fan.at_joint && fan.segment == segment && fan.side == side;
                 let fan = self.fans.iter().filter(here).find(|fan| fan.is_imposed_at(self.step))?;
-                let [velocity, stress] = fan.starts_within(self.step, dt).unwrap_or([fan.velocity_behind, fan.stress]);
+                // On the grid the faces may have met within the step before.
+                let starts = fan.starts_within(self.step, dt).filter(|_| joint.is_apart());
+                let [velocity, stress] = starts.unwrap_or([fan.velocity_behind, fan.stress]);
                 Some(Flux { stress, velocity })
             };
             let known = behind(k, 1).zip(behind(k + 1, 0)).map(|(left, right)| [left, right]);

@@ -160,7 +160,7 @@ fn are_different_problems(pair: &[(Method, &Figures)]) -> bool {
 
 /// The same where the drive goes beyond what the curve can carry away for a short time only: the strain of a cell grows as it becomes smaller.
 fn gathers_in_smaller_cells(own: &Figures, finer: &Figures) -> bool {
-    own.returns && finer.strain > RESOLVED && finer.strain > 2.0 * own.strain
+    own.returns && finer.strain_of_cell > RESOLVED && finer.strain_of_cell > 2.0 * own.strain_of_cell
 }
 
 /// An end under a stress above all that its curve carries, which falls back later: see

@@ -17,7 +17,7 @@ use super::checks::figures_of;
 use super::spec::{Keys, Method, Spec, Value};
 use super::watch::{Figures, follow};
 
-const STEEL: &str =
+pub const STEEL: &str =
     "{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = { table = [[0.001, 2e8], [0.1, 4e8]] } }";
 
 pub fn bar(material: &str) -> String {

@@ -7,7 +7,7 @@ use barwave::record::View;
 use barwave::solver::Energies;
 
 use super::checks::figures_of;
-use super::found::{bar, scene, text};
+use super::found::{STEEL, bar, scene, text};
 use super::watch::{earlier_work, follow};
 
 /// The rule of heat: a fraction of all plastic work, that included which a back stress gives back in reverse flow. It then decreases.
@@ -216,10 +216,32 @@ fn a_short_push_beyond_the_level_part_strains_the_end_cell_by_its_size() {
     for scheme in ["leapfrog", "muscl"] {
         let [coarse, fine] = [20, 80].map(|cells| by(scheme, cells));
         assert!(
-            coarse.returns && !coarse.gathers && fine.strain > 2.5 * coarse.strain,
+            coarse.returns && !coarse.gathers && fine.strain_of_cell > 2.5 * coarse.strain_of_cell,
             "{scheme}: {} {}",
-            coarse.strain,
-            fine.strain
+            coarse.strain_of_cell,
+            fine.strain_of_cell
+        );
+    }
+}
+
+/// The same at a joint, whose cell lies between the places that are compared: what they differ by is the strain that comes back out of it.
+#[test]
+fn a_push_through_a_joint_beyond_the_level_part_strains_its_cell_by_its_size() {
+    let segment = |material: &str, velocity: f64| {
+        format!("[[bar.segment]]\nlength = 0.1\narea = 1e-5\nmaterial = {material}\nvelocity = {velocity}\n")
+    };
+    let level = "{ density = 2350, modulus = 7e10, curve = { table = [[5e-4, 3.5e7], [0.9, 3.5e7]] } }";
+    let bar = segment(STEEL, 10.0) + &segment(level, 0.0);
+    let by = |scheme: &str, cells: usize| {
+        let solve = format!("until = 1e-4\nscheme = \"{scheme}\"\ncells = {cells}");
+        figures_of(&text(&bar, "kind = \"free\"", "", &solve)).expect("it runs")
+    };
+    for scheme in ["leapfrog", "muscl"] {
+        let [coarse, fine] = [20, 640].map(|cells| by(scheme, cells));
+        assert!(coarse.returns && !coarse.gathers, "{scheme}");
+        assert!(
+            fine.strain_of_cell > 16.0 * coarse.strain_of_cell && fine.strain_of_cell > 2.0 * fine.strain,
+            "{scheme}"
         );
     }
 }

@@ -54,6 +54,8 @@ pub struct Figures {
     pub work: Scaled<[f64; 2]>,
     /// Largest strain, either sign.
     pub strain: f64,
+    /// The same in any cell of a grid, however small.
+    pub strain_of_cell: f64,
     /// The run came to its end.
     pub ended: bool,
     /// Part of all energy that the method has taken: by a conservative scheme, what is lost in shocks.
@@ -110,6 +112,8 @@ fn follow_grid<S: Stepped>(scene: &Scene, mut bar: S, until: f64, failures: &mut
         bar.advance_by(target.saturating_sub(bar.step()));
         watch.cell = watch.cell.max(CELLS_GIVEN * largest_cell(scene, &bar));
         watch.look(&bar, &places, failures);
+        let strains = (0..bar.grid().cells()).map(|cell| bar.value(Quantity::Strain, cell).abs());
+        watch.strain_of_cell = strains.fold(watch.strain_of_cell, f64::max);
         if let Some(cell) = bar.not_finite() {
             failures.push(Failure::new("not finite", format!("cell {cell} at {:e} s", bar.time())));
             return watch.figures(&bar, &places, false);
@@ -196,6 +200,7 @@ struct Watch {
     momentum: f64,
     /// Of stress, velocity and strain.
     largest: [f64; 3],
+    strain_of_cell: f64,
 }
 
 impl Watch {
@@ -226,6 +231,7 @@ impl Watch {
             // (7e-5 to 1e-3 of 0.13 N s, in scene 16027058208322088354) differs by all there is.
             momentum: (2.0 * bar.start().energy * bar.start().mass).sqrt(),
             largest: [0.0; 3],
+            strain_of_cell: 0.0,
         }
     }
 
@@ -302,6 +308,7 @@ impl Watch {
             impulse: Scaled { values: account.impulse, scale: self.momentum.max(rounding) },
             work: Scaled { values: account.work, scale: self.energy },
             strain: self.largest[2],
+            strain_of_cell: self.strain_of_cell.max(self.largest[2]),
             taken: self.last.numerical / self.energy.max(f64::MIN_POSITIVE),
             given: self.given / self.energy.max(f64::MIN_POSITIVE),
             returns: self.returns,

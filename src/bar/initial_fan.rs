@@ -201,7 +201,7 @@ fn wall_gap(end: &EndCondition) -> Option<f64> {
 /// comes to it. `direction` is +1 at the left end and -1 at the right one.
 pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) -> bool {
     match end {
-        EndCondition::Spring { .. } | EndCondition::Dashpot { .. } => rest != 0.0,
+        EndCondition::Spring { .. } => rest != 0.0,
         EndCondition::Wall { gap } => *gap > 0.0 && rest * direction < 0.0,
         EndCondition::Ball { velocity, .. } => (velocity - rest) * direction > 0.0,
         // An absorbing end moves with the bar.
@@ -210,6 +210,7 @@ pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) ->
         | EndCondition::Fixed
         | EndCondition::Velocity { .. }
         | EndCondition::Stress { .. }
+        | EndCondition::Dashpot { .. }
         | EndCondition::Striker { .. } => false,
     }
 }
@@ -262,19 +263,29 @@ impl Imposed {
     /// By the end of a segment, from which waves run in this `direction`: +1 at its left, -1 at its right.
     fn on(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
         let area = at.end_areas()[usize::from(direction < 0.0)];
+        if let EndCondition::Dashpot { coefficient } = end {
+            return (*coefficient > 0.0).then(|| Self::by_dashpot(at, *coefficient, direction, area));
+        }
         Self::of(end, direction, at.velocity, at.material.impedance() * area)
+    }
+
+    /// By a dashpot (N s/m): the force at which it and the fan together take up the velocity of the bar.
+    fn by_dashpot(at: &Segment, coefficient: f64, direction: f64, area: f64) -> Self {
+        let sense = Sense::of(direction * at.velocity);
+        let curve = at.material.branch(sense);
+        let taken = |force: f64| fan_at_stress(curve, at.material.density, force / area).velocity + force / coefficient;
+        let force = joint_force(at.velocity.abs(), taken, area * strongest(curve));
+        Self { driver: Driver::Stress, ..Self::steady(sense.sign() * force / area) }
+    }
+
+    /// A velocity (m/s) for ever.
+    fn steady(change: f64) -> Self {
+        Self { driver: Driver::Velocity, change, sudden: true, loads_until: f64::INFINITY, holds_until: f64::INFINITY }
     }
 
     /// `impedance` (N s/m) is that of the bar.
     fn of(end: &EndCondition, direction: f64, rest: f64, impedance: f64) -> Option<Self> {
         let forever = f64::INFINITY;
-        let steady = |change: f64| Self {
-            driver: Driver::Velocity,
-            change,
-            sudden: true,
-            loads_until: forever,
-            holds_until: forever,
-        };
         match end {
             EndCondition::Velocity { history, release } => {
                 let (peak, until) = peak(history, rest);
@@ -297,9 +308,9 @@ impl Imposed {
                     holds_until: holds_until(history, peak),
                 })
             }
-            EndCondition::Fixed => Some(steady(-rest)),
+            EndCondition::Fixed => Some(Self::steady(-rest)),
             // The bar moves towards a wall at the left when its velocity is negative.
-            EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => Some(steady(-rest)),
+            EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => Some(Self::steady(-rest)),
             // Strongest at the first touch: from then on the bar slows it down.
             EndCondition::Striker { mass, velocity } if (velocity - rest) * direction > 0.0 => {
                 Some(Self {
@@ -313,6 +324,7 @@ impl Imposed {
             EndCondition::Wall { .. }
             | EndCondition::Free
             | EndCondition::Absorbing
+            // See `Self::by_dashpot`.
             | EndCondition::Dashpot { .. }
             | EndCondition::Striker { .. }
             // Its force starts from nothing.

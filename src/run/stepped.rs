@@ -408,6 +408,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
                 end.add(&SegmentEnd {
                     elongation: part.dx * strain[cell],
                     plastic_elongation: part.dx * plastic[0][cell],
+                    mass,
                     momentum: mass * velocity[cell],
                     residual: Extreme { value: plastic[0][cell], at: self.centres[cell] },
                     // Where flow is not followed back, the curve itself is: nothing accumulates.

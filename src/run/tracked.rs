@@ -392,10 +392,12 @@ impl<'a> Run<'a> {
         let mut segments: Vec<_> = displacements.chunks_exact(2).map(stretched).collect();
         for piece in self.bar.pieces() {
             let (medium, point, length) = (self.bar.medium(piece.segment), piece.point, piece.to - piece.from);
+            let mass = medium.density * medium.area * length;
             segments[piece.segment].add(&SegmentEnd {
+                mass,
                 elongation: 0.0,
                 plastic_elongation: -point.stress / medium.modulus * length,
-                momentum: medium.density * medium.area * length * point.velocity,
+                momentum: mass * point.velocity,
                 residual: Extreme { value: medium.plastic_strain(point), at: 0.5 * (piece.from + piece.to) },
                 // Where flow is not followed back, the curve itself is: nothing accumulates.
                 accumulated: (point.accumulated / medium.modulus).max(medium.plastic_strain(point).abs()),

@@ -3,9 +3,9 @@
 //! A body is a part of the bar between joints that can open. Its velocity after contact is its momentum over its mass at the end of the run.
 //! This is the velocity since its last contact if no force acts on it any more: both its faces are free by then, and nothing acts along it.
 
-use super::records::Records;
+use super::records::{Records, SegmentEnd};
 use super::tally::Load;
-use crate::bar::{EndCondition, Joint};
+use crate::bar::{EndCondition, Joint, Segment};
 use crate::record::ContactReading;
 
 /// Of all momentum that has gone through the bar.
@@ -132,10 +132,12 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
 /// Impulse across the joint behind segment k on what is right of it, by the balance of momentum of what is left of it.
 fn impulse_across(records: &Records<'_>, k: usize) -> Option<f64> {
     let known = !records.torsion && records.is_pushed_at_faces_only();
-    let gained: f64 = (0..=k).map(|k| records.segments[k].momentum - records.initial_momentum(k)).sum();
+    let gained = |(end, segment): (&SegmentEnd, &Segment)| end.momentum - end.mass * segment.velocity;
+    let gained: f64 = records.segments.iter().zip(&records.bar.segments).take(k + 1).map(gained).sum();
     let across = records.account.impulse[0] - gained;
     // What is left of parts that cancel is rounding.
-    let rounding = ROUNDING * records.account.momentum_scale;
+    let held: f64 = records.segments.iter().map(|end| end.momentum.abs()).sum();
+    let rounding = ROUNDING * records.account.momentum_scale.max(held);
     known.then_some(if across.abs() > rounding { across } else { 0.0 })
 }
 
@@ -217,8 +219,8 @@ fn bodies(records: &Records<'_>) -> Vec<Body> {
     let mut bodies = Vec::new();
     let (mut start, mut sums) = (Face::End(0), [0.0; 3]);
     for (k, segment) in segments.iter().enumerate() {
-        let mass = segment.material.density * segment.area * segment.length;
-        let parts = [mass, records.initial_momentum(k), records.segments[k].momentum];
+        let SegmentEnd { mass, momentum, .. } = records.segments[k];
+        let parts = [mass, mass * segment.velocity, momentum];
         sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
         if k == last || opens(k) {
             let face = if k == last { Face::End(1) } else { Face::Joint(k) };
@@ -237,11 +239,6 @@ impl Records<'_> {
     /// Nothing acts along the bar, but for rounding.
     fn is_pushed_at_faces_only(&self) -> bool {
         self.account.impulse_along.abs() <= 1e-9 * self.account.momentum_scale
-    }
-
-    fn initial_momentum(&self, k: usize) -> f64 {
-        let segment = &self.bar.segments[k];
-        segment.material.density * segment.area * segment.length * segment.velocity
     }
 
     /// A joint that the scene lets open, where the solver keeps what its faces carried.

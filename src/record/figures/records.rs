@@ -7,6 +7,8 @@ use crate::record::{Account, ContactReading};
 /// A segment at the end of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SegmentEnd {
+    /// Mass with which the solver computes, kg: grids round lengths, see [`crate::solver::fd::Grid::in_whole_steps`].
+    pub mass: f64,
     /// Elongation, m.
     pub elongation: f64,
     /// The plastic part of it, m.
@@ -24,6 +26,7 @@ impl SegmentEnd {
     pub fn add(&mut self, part: &Self) {
         self.elongation += part.elongation;
         self.plastic_elongation += part.plastic_elongation;
+        self.mass += part.mass;
         self.momentum += part.momentum;
         self.residual.add(part.residual.at, part.residual.value);
         self.accumulated = self.accumulated.max(part.accumulated);

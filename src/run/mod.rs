@@ -511,6 +511,15 @@ fn original_segments(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<SegmentEnd>
     ends
 }
 
+/// The contacts at joints of the original scene, numbered as there.
+fn original_contacts(scene: &Scene, simulated: &[ContactReading]) -> Vec<ContactReading> {
+    let named = |contact: &ContactReading| match scene.original_site(Site::Joint(contact.joint)) {
+        Site::Joint(joint) => Some(ContactReading { joint, ..*contact }),
+        _ => None,
+    };
+    simulated.iter().filter_map(named).collect()
+}
+
 /// Places of full-rate histories, m: the gauges, and then the joints, for their figures.
 fn history_places(scene: &Scene) -> Vec<f64> {
     scene.record.gauge_places().into_iter().chain(joint_places(scene)).collect()
@@ -551,7 +560,7 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
         residual_profile: &residual_profile,
         segments: original_segments(scene.0, &results.segments),
         account: results.account,
-        contacts: results.contacts.clone(),
+        contacts: original_contacts(scene.0, &results.contacts),
         strikers: [results.ends[0].striker, results.ends[1].striker],
         breaks: (0..segments.len() - 1).map(|k| breaks(segments, results.ruptures.as_deref(), k)).collect(),
         broken: results.parted(),

@@ -13,8 +13,11 @@ const SMALL_STEP: f64 = 0.5;
 const LATE: f64 = 10.0;
 
 impl Scene {
-    /// A sentence each.
+    /// A sentence each; of a scene in pieces, those of the scene that was asked for.
     pub fn notes(&self) -> Vec<String> {
+        if let Some(cut) = &self.discretized {
+            return cut.original.notes();
+        }
         let segments = &self.bar.segments;
         let seen = |k: usize| segments[..k].iter().any(|s| Arc::ptr_eq(&s.material, &segments[k].material));
         let materials = (0..segments.len()).filter(|&k| !seen(k)).flat_map(|k| segments[k].material.notes());

@@ -22,8 +22,13 @@ fn mass() -> f64 {
     7800.0 * AREA * LENGTH
 }
 
-/// The summary of a scene.
+/// The figures of a scene.
 fn summary(name: &str, scene: &str, output: &[&str]) -> Value {
+    whole_summary(name, scene, output)["figures"].clone()
+}
+
+/// The summary of a scene.
+fn whole_summary(name: &str, scene: &str, output: &[&str]) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("scene.toml"), scene).expect("a folder to write to");
     let arguments = [&["run", "--json", "scene.toml"], output].concat();
@@ -33,7 +38,7 @@ fn summary(name: &str, scene: &str, output: &[&str]) -> Value {
     if !output.is_empty() {
         assert_file(folder.path().join("out.h5").as_path(), &summary["figures"]);
     }
-    summary["figures"].clone()
+    summary
 }
 
 /// The result file opens; every number of the summary is in it is checked by `tests/python`.
@@ -84,6 +89,24 @@ fn a_joint_that_nothing_passes_has_no_impulse() {
         let figures = summary(solve, &text, &[]);
         assert_eq!(figures["joints"]["1"]["impulse_N_s"], 0.0, "{solve}: {figures}");
     }
+}
+
+/// By the net a taper is cut into pieces: the joint behind it was looked for under its number among these, and what it showed was the stress in the
+/// last piece. So did the note on what moves apart.
+#[test]
+fn joints_behind_a_taper_keep_their_number_on_a_net() {
+    let segment = |area: &str, more: &str| {
+        format!("[[bar.segment]]\nlength = 0.1\narea = {area}\nmaterial = {BILINEAR}\n{more}\n")
+    };
+    let bar = segment("[[0, 1e-4], [0.1, 2e-4]]", "joint = \"contact\"") + &segment("1e-4", "velocity = 2");
+    let ends = "[left]\nkind = \"stress\"\nvalue = -1e8\n[right]\nkind = \"free\"\n";
+    let effects = "[effects]\nrate = { model = \"cowper-symonds\", D = 40, q = 5 }\n";
+    let text = format!("{bar}{ends}{effects}[solve]\nuntil = 4e-5\nmethod = \"moc\"\ncells = 40\n");
+    let whole = whole_summary("taper", &text, &[]);
+    let joint = &whole["figures"]["joints"]["1"];
+    assert_eq!([&joint["peak_force_N"], &joint["contact_duration_s"]], [0.0, 0.0], "{joint}");
+    let notes = whole["notes"].to_string();
+    assert!(notes.contains("move apart at joint 1 "), "{notes}");
 }
 
 /// An elastic bar of length L leaves a rigid wall after 2 L/c0 with its velocity reversed. Every method is exact at Courant number 1, but for

@@ -200,3 +200,38 @@ fn a_tapered_bar_shows_no_constant_state() {
     let [uniform, tapered] = ["1e-4", "[[0, 1e-4], [0.2, 3e-4]]"].map(first);
     assert!((uniform - 1.0).abs() < 1e-3 && (tapered - 1.0).abs() > 0.1, "{uniform} {tapered}");
 }
+
+/// A known miss, as docs/guide/methods.md states it: the force of a stiff spring rises faster than plastic waves leave the first cells, and by leapfrog
+/// half a cell swings on it.
+#[test]
+fn a_stiff_spring_overshoots_on_a_grid() {
+    let scene = "[bar]\nlength = 0.0528\narea = \"125 mm^2\"\nmaterial = \"copper-annealed\"\nvelocity = 31.7\n[left]\nkind = \"wall\"\n[right]\nkind = \
+                 \"spring\"\nstiffness = 21.9e9\n";
+    let largest = |solve: &str| figure(scene, "7.2 us", solve, "/figures/right/peak_force_N");
+    let [exact, finer] = ["1e-2", "1e-3"].map(|by| largest(&format!("method = \"moc\"\nfront-tolerance = {by}")));
+    assert!((exact / finer - 1.0).abs() < 1e-5, "{exact} {finer}");
+    for (cells, leapfrog, muscl) in [(200, 1.36, 0.17), (800, 0.46, 0.13), (3200, 0.07, 0.02)] {
+        for (scheme, expected) in [("leapfrog", leapfrog), ("muscl", muscl)] {
+            let found = largest(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}")) / exact - 1.0;
+            assert!((found - expected).abs() < 0.01, "{scheme}, {cells} cells: {found}");
+        }
+    }
+}
+
+/// A known miss, likewise: the wave of a joint that yields comes back to it, and the overshoot of one or two steps travels on along the elastic bar.
+#[test]
+fn a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end() {
+    let hard = "{ density = 4900, modulus = \"200 GPa\", beyond = \"extend\", curve = { table = [[1.64e-3, \"328 MPa\"], [1.886e-2, \"1016.8 MPa\"]] } }";
+    let elastic = "{ density = 5150, modulus = \"120 GPa\", beyond = \"extend\", curve = { table = [[3.74e-3, \"448.8 MPa\"]] } }";
+    let scene = format!(
+        "[[bar.segment]]\nlength = 0.058\ndiameter = \"12.9 mm\"\nmaterial = {hard}\njoint = \"contact\"\n[[bar.segment]]\nlength = 0.0284\n\
+         diameter = \"11.7 mm\"\nmaterial = {elastic}\nvelocity = -18.7\n[left]\nkind = \"free\"\n[right]\nkind = \"velocity\"\nvalue = -23.1\n"
+    );
+    let largest = |solve: &str| figure(&scene, "20 us", solve, "/figures/right/peak_force_N");
+    let exact = largest("method = \"moc\"\nfront-tolerance = 1e-3");
+    for cells in [200, 800] {
+        let [leapfrog, muscl] = ["leapfrog", "muscl"]
+            .map(|scheme| largest(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}")) / exact - 1.0);
+        assert!((leapfrog - 0.25).abs() < 0.02 && muscl.abs() < 0.005, "{cells} cells: {leapfrog} {muscl}");
+    }
+}

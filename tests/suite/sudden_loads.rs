@@ -51,6 +51,7 @@ fn figure(scene: &str, until: &str, solve: &str, pointer: &str) -> f64 {
     summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer} in {summary}"))
 }
 
+/// The force of a bar that moves against a dashpot was 2.3 times too large by leapfrog, and 6 % by the Godunov scheme.
 #[test]
 fn peaks_are_those_behind_the_fan_on_any_grid() {
     let end = "/figures/left/peak_force_N";
@@ -62,6 +63,7 @@ fn peaks_are_those_behind_the_fan_on_any_grid() {
         ("striker", copper("", "kind = \"striker\"\nmass = 50\nvelocity = 30"), end),
         ("wall", copper("velocity = -30", "kind = \"wall\""), end),
         ("wall behind a gap", copper("velocity = -30", "kind = \"wall\"\ngap = \"0.1 mm\""), end),
+        ("dashpot", copper("velocity = -30", "kind = \"dashpot\"\ncoefficient = 1e4"), end),
         ("contact", copper_on_steel("0 mm"), joint),
         ("contact behind a gap", copper_on_steel("0.2 mm"), joint),
         ("shock", foam(), end),
@@ -104,8 +106,7 @@ fn a_bilinear_bar_rings_little_after_its_start() {
 
 /// Largest residual strains, which are those of the first cells. The nodes beside such an end or joint moved as the scheme had it: at any resolution
 /// 5 to 6 % too much strain at an end under a stress, 15 % (bilinear) to 22 % (copper) at a contact, also behind a gap, 9 % (copper) to 13 %
-/// (bilinear) under a striker and 10 % at a contact of a foam, beside which nothing damped its cells; by the Godunov scheme 6 to 9 % everywhere;
-/// 25 % in a bar that moves against a dashpot.
+/// (bilinear) under a striker and 10 % at a contact of a foam, beside which nothing damped its cells; by the Godunov scheme 6 to 9 % everywhere.
 #[test]
 fn first_cells_have_the_strain_of_the_fan() {
     let stress = "kind = \"stress\"\nvalue = -150e6";
@@ -126,7 +127,6 @@ fn first_cells_have_the_strain_of_the_fan() {
     let struck = |material: &str, left: &str| copper("", left).replace("\"copper-annealed\"", material);
     let striker = |mass: f64| format!("kind = \"striker\"\nmass = {mass}\nvelocity = 30");
     let wall = "kind = \"wall\"\ngap = \"0.1 mm\"";
-    let dashpot = "kind = \"dashpot\"\ncoefficient = 3000";
     let cases = [
         ("stress", copper("", stress)),
         ("copper in contact", pair("\"copper-annealed\"")),
@@ -141,9 +141,7 @@ fn first_cells_have_the_strain_of_the_fan() {
         ("copper behind a gap", behind_gap("\"copper-annealed\"")),
         ("bilinear behind a gap", behind_gap(bilinear)),
         ("wall behind a gap", copper("velocity = -30", wall)),
-        ("copper against a dashpot", copper("velocity = -30", dashpot)),
-        ("copper pulled by a dashpot", copper("velocity = 20", dashpot)),
-        ("bilinear against a dashpot", struck(bilinear, dashpot).replace("[left]", "velocity = -30\n[left]")),
+        ("copper against a dashpot", copper("velocity = -30", "kind = \"dashpot\"\ncoefficient = 3000")),
     ];
     for (name, scene) in cases {
         let until = if name.starts_with("foam") { "600 us" } else { "20 us" };
@@ -233,5 +231,21 @@ fn a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end() {
         let [leapfrog, muscl] = ["leapfrog", "muscl"]
             .map(|scheme| largest(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}")) / exact - 1.0);
         assert!((leapfrog - 0.25).abs() < 0.02 && muscl.abs() < 0.005, "{cells} cells: {leapfrog} {muscl}");
+    }
+}
+
+/// Just beyond yield the first cell had 25 % too much plastic strain; what is left is as much of all strain as elsewhere.
+#[test]
+fn a_dashpot_that_hardly_makes_a_bar_yield_leaves_little_too_much_strain() {
+    let material = "{ density = 7850, modulus = \"70 GPa\", beyond = \"extend\", curve = { table = [[0.00357, \"249.9 MPa\"], [0.03745, \"2275.2 MPa\"]] } }";
+    let scene =
+        copper("velocity = -34", "kind = \"dashpot\"\ncoefficient = 2000").replace("\"copper-annealed\"", material);
+    let exact = peak(&scene, "method = \"moc\"", "/figures/residual_strain_largest");
+    for (scheme, most) in [("leapfrog", 0.02), ("muscl", 0.002)] {
+        for cells in [200, 1000] {
+            let solve = format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}");
+            let error = peak(&scene, &solve, "/figures/residual_strain_largest") / exact - 1.0;
+            assert!(error.abs() < most, "{scheme}, {cells} cells: {error}");
+        }
     }
 }

@@ -260,36 +260,18 @@ struct Imposed {
 }
 
 impl Imposed {
+    /// One value for ever.
+    fn steady(driver: Driver, change: f64) -> Self {
+        Self { driver, change, sudden: true, loads_until: f64::INFINITY, holds_until: f64::INFINITY }
+    }
+
     /// By the end of a segment, from which waves run in this `direction`: +1 at its left, -1 at its right.
     fn on(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
-        let area = at.end_areas()[usize::from(direction < 0.0)];
-        if let EndCondition::Dashpot { coefficient } = end {
-            return (*coefficient > 0.0).then(|| Self::by_dashpot(at, *coefficient, direction, area));
-        }
-        Self::of(end, direction, at.velocity, at.material.impedance() * area)
-    }
-
-    /// By a dashpot (N s/m): the force at which it and the fan together take up the velocity of the bar.
-    fn by_dashpot(at: &Segment, coefficient: f64, direction: f64, area: f64) -> Self {
-        let sense = Sense::of(direction * at.velocity);
-        let curve = at.material.branch(sense);
-        let taken = |force: f64| fan_at_stress(curve, at.material.density, force / area).velocity + force / coefficient;
-        let force = joint_force(at.velocity.abs(), taken, area * strongest(curve));
-        Self { driver: Driver::Stress, ..Self::steady(sense.sign() * force / area) }
-    }
-
-    /// A velocity (m/s) for ever.
-    fn steady(change: f64) -> Self {
-        Self { driver: Driver::Velocity, change, sudden: true, loads_until: f64::INFINITY, holds_until: f64::INFINITY }
-    }
-
-    /// `impedance` (N s/m) is that of the bar.
-    fn of(end: &EndCondition, direction: f64, rest: f64, impedance: f64) -> Option<Self> {
-        let forever = f64::INFINITY;
+        let (rest, area) = (at.velocity, at.end_areas()[usize::from(direction < 0.0)]);
         match end {
             EndCondition::Velocity { history, release } => {
                 let (peak, until) = peak(history, rest);
-                let released = release.unwrap_or(forever);
+                let released = release.unwrap_or(f64::INFINITY);
                 Some(Self {
                     driver: Driver::Velocity,
                     change: peak,
@@ -308,9 +290,14 @@ impl Imposed {
                     holds_until: holds_until(history, peak),
                 })
             }
-            EndCondition::Fixed => Some(Self::steady(-rest)),
+            EndCondition::Fixed => Some(Self::steady(Driver::Velocity, -rest)),
             // The bar moves towards a wall at the left when its velocity is negative.
-            EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => Some(Self::steady(-rest)),
+            EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => {
+                Some(Self::steady(Driver::Velocity, -rest))
+            }
+            EndCondition::Dashpot { coefficient } if *coefficient > 0.0 => {
+                Some(Self::steady(Driver::Stress, against_dashpot(at, *coefficient, direction, area)))
+            }
             // Strongest at the first touch: from then on the bar slows it down.
             EndCondition::Striker { mass, velocity } if (velocity - rest) * direction > 0.0 => {
                 Some(Self {
@@ -318,13 +305,12 @@ impl Imposed {
                     change: velocity - rest,
                     sudden: false,
                     loads_until: 0.0,
-                    holds_until: STEADY * mass / impedance,
+                    holds_until: STEADY * mass / (at.material.impedance() * area),
                 })
             }
             EndCondition::Wall { .. }
             | EndCondition::Free
             | EndCondition::Absorbing
-            // See `Self::by_dashpot`.
             | EndCondition::Dashpot { .. }
             | EndCondition::Striker { .. }
             // Its force starts from nothing.
@@ -332,6 +318,17 @@ impl Imposed {
             | EndCondition::Spring { .. } => None,
         }
     }
+}
+
+/// Stress (Pa) behind the fan of a bar that moves against a dashpot (N s/m): its force is that at which both together take up the velocity of the bar.
+fn against_dashpot(at: &Segment, coefficient: f64, direction: f64, area: f64) -> f64 {
+    if at.velocity == 0.0 {
+        return 0.0;
+    }
+    let sense = Sense::of(direction * at.velocity);
+    let curve = at.material.branch(sense);
+    let taken = |force: f64| fan_at_stress(curve, at.material.density, force / area).velocity + force / coefficient;
+    sense.sign() * joint_force(at.velocity.abs(), taken, area * strongest(curve)) / area
 }
 
 /// The first extreme of a history relative to `rest`, and when the history first falls back from it.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Account, EndState, Field, Start, Trace, View};
 use crate::law::rupture::Rupture;
 use crate::solver::Energies;
-use crate::solver::moc::{EndStep, FrontTracking, Piece};
+use crate::solver::moc::{EndStep, FrontTracking};
 use crate::wave::riemann::{Medium, Point};
 
 impl View for FrontTracking {
@@ -51,7 +51,7 @@ impl View for FrontTracking {
     fn start(&self) -> Start {
         let mut start = Start::default();
         for piece in self.pieces() {
-            let (mass, medium) = (mass(self, &piece), self.medium(piece.segment));
+            let (mass, medium) = (self.mass_of(&piece), self.medium(piece.segment));
             let stored = 0.5 * piece.point.stress * piece.point.stress / (medium.modulus * medium.density);
             start.energy += 0.5 * mass * piece.point.velocity * piece.point.velocity + mass * stored;
             start.momentum += mass * piece.point.velocity;
@@ -62,7 +62,7 @@ impl View for FrontTracking {
 
     fn account(&self) -> Account {
         let now = self.balance();
-        let mass: f64 = self.pieces().map(|piece| mass(self, &piece)).sum();
+        let mass: f64 = self.pieces().map(|piece| self.mass_of(&piece)).sum();
         Account {
             energies: Energies {
                 kinetic: now.kinetic,
@@ -80,11 +80,6 @@ impl View for FrontTracking {
             momentum_scale: (2.0 * now.kinetic * mass).sqrt().max(now.throughput),
         }
     }
-}
-
-fn mass(bar: &FrontTracking, piece: &Piece<'_>) -> f64 {
-    let medium = bar.medium(piece.segment);
-    medium.density * medium.area * (piece.to - piece.from)
 }
 
 /// The steps of both ends, handed on as they happen: two rows a step, before and after it, so that a straight line

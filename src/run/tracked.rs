@@ -392,7 +392,7 @@ impl<'a> Run<'a> {
         let mut segments: Vec<_> = displacements.chunks_exact(2).map(stretched).collect();
         for piece in self.bar.pieces() {
             let (medium, point, length) = (self.bar.medium(piece.segment), piece.point, piece.to - piece.from);
-            let mass = medium.density * medium.area * length;
+            let mass = self.bar.mass_of(&piece);
             segments[piece.segment].add(&SegmentEnd {
                 mass,
                 elongation: 0.0,

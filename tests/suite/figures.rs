@@ -75,7 +75,7 @@ const ROUNDING: f64 = 1e-9;
 /// Bodies that part at once. The grid computes with lengths that waves cross in whole steps, here up to 0.3 % away from those of the scene: the
 /// mass that this gave to a body was missing in its momentum, and that was the impulse of the joint.
 #[test]
-fn a_joint_that_nothing_passes_has_no_impulse() {
+fn a_joint_that_carries_no_force_has_no_impulse() {
     let segment = |length: f64, material: &str, more: &str| {
         format!("[[bar.segment]]\nlength = {length}\narea = 8e-4\nmaterial = \"{material}\"\n{more}\n")
     };
@@ -92,7 +92,7 @@ fn a_joint_that_nothing_passes_has_no_impulse() {
 }
 
 /// By the net a taper is cut into pieces: the joint behind it was looked for under its number among these, and what it showed was the stress in the
-/// last piece. So did the note on what moves apart.
+/// last piece. The note on what moves apart gave that number, too.
 #[test]
 fn joints_behind_a_taper_keep_their_number_on_a_net() {
     let segment = |area: &str, more: &str| {

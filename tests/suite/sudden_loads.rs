@@ -200,7 +200,7 @@ fn a_tapered_bar_shows_no_constant_state() {
 }
 
 /// A known miss, as docs/guide/methods.md states it: the force of a stiff spring rises faster than plastic waves leave the first cells, and by leapfrog
-/// half a cell swings on it.
+/// the mass of half a cell oscillates on it.
 #[test]
 fn a_stiff_spring_overshoots_on_a_grid() {
     let scene = "[bar]\nlength = 0.0528\narea = \"125 mm^2\"\nmaterial = \"copper-annealed\"\nvelocity = 31.7\n[left]\nkind = \"wall\"\n[right]\nkind = \

@@ -119,6 +119,12 @@ impl FrontTracking {
         })
     }
 
+    /// Mass of a piece, kg.
+    pub fn mass_of(&self, piece: &Piece<'_>) -> f64 {
+        let medium = self.medium(piece.segment);
+        medium.density * medium.area * (piece.to - piece.from)
+    }
+
     /// The running fronts from left to right.
     pub fn fronts(&self) -> impl Iterator<Item = Front> + '_ {
         self.list.iter().filter(|n| n.kind == Kind::Front).map(|n| {

@@ -83,13 +83,13 @@ impl Joint {
         known: Option<[Flux; 2]>,
         work: &mut Workspace,
     ) -> [Flux; 2] {
+        let apart = self.is_apart();
         let Some(contact) = &mut self.contact else {
             return known.unwrap_or_else(|| closed_fluxes(0.0, parts, near, work));
         };
         let free = [under(0.0, -1.0, parts[0], &near[0], work), under(0.0, 1.0, parts[1], &near[1], work)];
         let closed = known.unwrap_or_else(|| closed_fluxes(contact.closing_rate(dt), parts, near, work));
         let force = -closed[0].stress * parts[0].area;
-        let apart = contact.gap() > 0.0;
         if !contact.advance(dt, force, free[1].velocity - free[0].velocity) {
             return free;
         }

@@ -116,8 +116,12 @@ fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     if !follows_curves(scene) || !sudden_fans::can_be_tracked(scene) {
         return first;
     }
-    let stepped = as_stepped(scene, grid);
     let settings = Settings { event_budget: EVENTS, front_segments: true, ..Settings::default() };
+    if !sudden_fans::is_uniform(scene) {
+        let at_start = || sudden_fans::at_ends_of_segments(scene, settings);
+        return if scene.bar.has_initial_state() { at_start() } else { first };
+    }
+    let stepped = as_stepped(scene, grid);
     let later = front_tracking(&stepped, settings).later_fans(scene.solve.until);
     sudden_fans::with_later(first, &later, &stepped, (grid, late))
 }

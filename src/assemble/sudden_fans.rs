@@ -1,10 +1,14 @@
 //! The fans at ends and joints that a scheme on a grid follows: those at t = 0, and those that start when gaps close or waves arrive.
 
-use crate::bar::{Bar, Driver, EndCondition, InitialFan, Origin, Segment, drives_at_start};
+use super::front_tracking;
+use crate::bar::{
+    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, drives_at_start, same_section, same_state,
+};
 use crate::law::Table;
 use crate::material::Sense;
 use crate::scene::{HardeningRule, Scene};
 use crate::solver::fd::Grid;
+use crate::solver::moc::Settings;
 
 /// Parts of a step by which a wave may arrive before or after one, and by which cells of a segment may have delayed it, to be as sharp as the start of
 /// a fan has to be. In leapfrog a wave that is 0.04 late rings beside a free face by 20 % of its stress; in the Godunov scheme none does.
@@ -14,6 +18,9 @@ pub(super) const LATE_IN_MUSCL: f64 = 0.05;
 /// Part of the time for which a fan is followed that it takes shape: its slowest front travels 6 cells. Where waves met one of 22 cells, the force at a
 /// joint was 27 % too large in the first step without a fan, and none was with it.
 const SHAPED: f64 = 0.25;
+
+/// Part of the time in which a wave crosses half a segment.
+const HARDLY_STARTED: f64 = 0.1;
 
 /// Times in a step that are told apart: what is left of rounding would tell a bar from its mirror image.
 const TIMES_IN_STEP: f64 = (1_u64 << 36) as f64;
@@ -42,6 +49,58 @@ pub(super) fn with_later(
     first
 }
 
+/// Those with which ends and joints of a bar with an initial state start, whatever the bar is like further in.
+pub(super) fn at_ends_of_segments(scene: &Scene, settings: Settings) -> Vec<InitialFan> {
+    let halves = in_halves(scene);
+    // None of the waves from the middles of segments has come anywhere yet.
+    let shortest = halves.bar.transit_times().into_iter().fold(f64::INFINITY, f64::min);
+    let fans = front_tracking(&halves, settings).later_fans(HARDLY_STARTED * shortest);
+    let of_one = fans.chunk_by(|a, b| a.origin == b.origin);
+    of_one.filter_map(|fans| in_whole_segments(&at_start(fans, &halves)?, &scene.bar)).flatten().collect()
+}
+
+/// The fans of an end or a joint of halves in the segments of the bar; none of one between the halves of a segment.
+fn in_whole_segments(fans: &[InitialFan], bar: &Bar) -> Option<Vec<InitialFan>> {
+    let origin = match fans[0].origin {
+        Origin::Joint(k) if k % 2 == 0 => return None,
+        Origin::Joint(k) => Origin::Joint(k / 2),
+        end => end,
+    };
+    let area = |fan: &InitialFan| bar.segments[fan.segment / 2].end_areas()[usize::from(fan.direction < 0.0)];
+    let force = fans.iter().map(|fan| area(fan) * fan.changes()[0]).fold(0.0, f64::max);
+    let whole = |fan: &InitialFan| {
+        let (segment, direction) = (fan.segment / 2, fan.direction);
+        let at = &bar.segments[segment];
+        let uniform_for =
+            same_section(at, direction).min(same_state(at, direction, force / area(fan), fan.changes()[1]));
+        InitialFan { origin, segment, uniform_for, ..fan.clone() }
+    };
+    Some(fans.iter().map(whole).collect())
+}
+
+/// Each segment as two uniform ones: as it is at its left end, and as at its right end.
+fn in_halves(scene: &Scene) -> Scene {
+    let half = |segment: &Segment, side: usize| {
+        let x = [0.0, segment.length][side];
+        let initial = segment.profile.as_ref().map_or(segment.initial, |profile| profile.beside(x, 1 - side));
+        Segment {
+            length: 0.5 * segment.length,
+            area: segment.end_areas()[side],
+            taper: None,
+            velocity: segment.end_velocities()[side],
+            initial,
+            profile: None,
+            joint: if side == 0 { Joint::Bonded } else { segment.joint },
+            ..segment.clone()
+        }
+    };
+    let mut halves = scene.clone();
+    halves.bar.segments = scene.bar.segments.iter().flat_map(|segment| [half(segment, 0), half(segment, 1)]).collect();
+    // Nothing has broken yet.
+    halves.effects.rupture = None;
+    halves
+}
+
 /// Those with which an end or a joint of a bar with an initial state starts.
 fn at_start(fans: &[InitialFan], scene: &Scene) -> Option<Vec<InitialFan>> {
     let fan = &fans[0];
@@ -64,19 +123,23 @@ fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Op
     Some(fans.iter().map(lasts).collect())
 }
 
-/// Front tracking finds the waves of this scene, without steps in space of its own.
+/// Front tracking follows the laws of this scene exactly.
 pub(super) fn can_be_tracked(scene: &Scene) -> bool {
     let several_lines = |segment: &Segment| {
         let table = |sense| Table::new(segment.material.branch(sense), segment.material.modulus);
         [Sense::Tension, Sense::Compression].into_iter().any(|sense| table(sense).is_multilinear())
     };
     let segments = &scene.bar.segments;
-    let rule = match scene.effects.hardening {
+    match scene.effects.hardening {
         Some(HardeningRule::ArmstrongFrederick { .. }) => false,
         Some(HardeningRule::Kinematic) => !segments.iter().any(several_lines),
         _ => true,
-    };
-    rule && segments.iter().all(|segment| segment.taper.is_none() && segment.profile.is_none())
+    }
+}
+
+/// It needs no steps in space of its own for them.
+pub(super) fn is_uniform(scene: &Scene) -> bool {
+    scene.bar.segments.iter().all(|segment| segment.taper.is_none() && segment.profile.is_none())
 }
 
 fn is_elastic(fan: &InitialFan, bar: &Bar) -> bool {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::uniform::same_section;
 use super::{Bar, EndCondition, Joint, Segment};
 use crate::material::{Curve, Sense};
 use crate::root::bisect;
@@ -78,6 +79,8 @@ pub struct InitialFan {
     pub driver: Driver,
     /// Nothing else sends waves into the bar until this fan meets a joint or the other end.
     pub alone: bool,
+    /// Distance from its origin up to which the segment counts as uniform, m.
+    pub uniform_for: f64,
 }
 
 /// Part of the force of a striker that it may lose and still count as steady.
@@ -92,7 +95,7 @@ impl InitialFan {
     pub fn known_until(&self, length: f64) -> f64 {
         let Some(first) = self.fan.edges.first().filter(|_| self.state_behind().is_some()) else { return 0.0 };
         // Other waves may come to meet it from the far side.
-        let room = if self.alone { length } else { 0.5 * length };
+        let room = if self.alone { length } else { 0.5 * length }.min(self.uniform_for);
         let steady = if self.driver == Driver::Body { FOLLOWED / STEADY * self.holds_until } else { self.holds_until };
         (room / first.speed).min(steady)
     }
@@ -110,6 +113,12 @@ impl InitialFan {
     pub fn relief(&self, c0: f64) -> f64 {
         let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
         2.0 * slowest / (c0 * c0 + slowest * slowest)
+    }
+
+    /// What it changes, >= 0: stress (Pa) and strain.
+    pub fn changes(&self) -> [f64; 2] {
+        let ahead = self.fan.edges.first().map_or([0.0; 2], |edge| [edge.stress_ahead, edge.strain_ahead]);
+        [self.fan.stress - ahead[0], self.fan.strain - ahead[1]]
     }
 
     /// Stress ahead of it, Pa.
@@ -237,6 +246,7 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
         direction,
         sense,
         shock: is_shock(&fan, curve),
+        uniform_for: same_section(at, direction),
         fan,
         velocity_ahead: at.velocity,
         from: 0.0,
@@ -380,6 +390,7 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
                 direction,
                 sense,
                 shock: is_shock(&fan, at.material.branch(sense)),
+                uniform_for: same_section(at, direction),
                 fan,
                 velocity_ahead: at.velocity,
                 from: 0.0,

@@ -10,6 +10,7 @@ pub mod joint;
 mod sudden_load;
 mod sudden_loads;
 mod taper;
+mod uniform;
 
 use std::sync::Arc;
 
@@ -23,6 +24,7 @@ pub use joint::Joint;
 pub use sudden_load::SuddenLoad;
 pub use sudden_loads::SuddenLoads;
 pub use taper::{Profile, Taper};
+pub(crate) use uniform::{same_section, same_state};
 
 use crate::material::Material;
 

@@ -21,7 +21,8 @@ impl SuddenLoads {
             let here = |fan: &&InitialFan| fan.origin == Origin::Joint(k);
             let first = fans.iter().find(|fan| here(fan) && load(fan).is_some())?;
             let both = || fans.iter().filter(|fan| here(fan) && fan.from == first.from);
-            let known = both().map(|fan| known_until(fan, bar)).fold(f64::INFINITY, f64::min);
+            let known =
+                both().map(|fan| fan.known_until(bar.segments[fan.segment].length)).fold(f64::INFINITY, f64::min);
             let area = |fan: &InitialFan| bar.segments[fan.segment].end_areas()[usize::from(fan.segment == k)];
             let loads = both().filter_map(|fan| Some((load(fan)?, area(fan))));
             let (load, area) = loads.min_by(|(a, _), (b, _)| a.lasts.total_cmp(&b.lasts))?;
@@ -34,9 +35,9 @@ impl SuddenLoads {
 
 /// The load behind a fan, on cells of length `dx` (m); none where the segment stays elastic: grids are exact there.
 fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
-    let material = &bar.segments[fan.segment].material;
-    let [stress, velocity] = fan.state_behind()?;
-    let lasts = known_until(fan, bar).min(fan.followed_for(dx, material.c0()));
+    let segment = &bar.segments[fan.segment];
+    let (material, [stress, velocity]) = (&segment.material, fan.state_behind()?);
+    let lasts = fan.known_until(segment.length).min(fan.followed_for(dx, material.c0()));
     (lasts > 0.0).then(|| SuddenLoad {
         stress,
         velocity,
@@ -44,10 +45,4 @@ fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
         from: fan.from,
         lasts,
     })
-}
-
-/// See [`InitialFan::known_until`]; 0 in a tapered segment, where the state behind the fan changes as it travels.
-fn known_until(fan: &InitialFan, bar: &Bar) -> f64 {
-    let segment = &bar.segments[fan.segment];
-    if segment.taper.is_some() { 0.0 } else { fan.known_until(segment.length) }
 }

@@ -91,8 +91,13 @@ impl Taper {
         volume / (to - from)
     }
 
+    /// Its rows: x (m) and size (m^2 or m).
+    pub fn rows(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.x.iter().copied().zip(self.size.iter().copied())
+    }
+
     /// The area goes with this power of the size.
-    fn power(&self) -> f64 {
+    pub fn power(&self) -> f64 {
         if self.profile == Profile::Area { 1.0 } else { 2.0 }
     }
 

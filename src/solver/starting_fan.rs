@@ -274,6 +274,7 @@ mod tests {
             holds_until: f64::INFINITY,
             driver,
             alone: true,
+            uniform_for: f64::INFINITY,
         };
         let wave_speed = (MODULUS / DENSITY).sqrt();
         StartingFan::new(&initial_fan, DENSITY, &Resolution { wave_speed, ..GRID }, ramp).expect("a fan")

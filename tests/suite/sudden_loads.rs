@@ -183,20 +183,69 @@ fn a_damped_bar_shows_its_viscous_force() {
     assert!(force < -1.5 * 210e3, "{force:e} N");
 }
 
-/// Behind the fan of a tapered bar the state changes as the fan travels: the history is that of the scheme.
+/// Behind the fan of a tapered bar the state changes as the fan travels: the history shows that behind the fan as long as it hardly changes, and then
+/// that of the scheme. It started with half of the stress.
 #[test]
-fn a_tapered_bar_shows_no_constant_state() {
-    let first = |area: &str| {
-        let scene = copper("", "kind = \"striker\"\nmass = 50\nvelocity = 30").replace("\"1 cm^2\"", area);
+fn a_tapered_bar_starts_with_its_fan_and_goes_on_as_its_section_changes() {
+    let stresses = |cells: usize| {
+        let scene = copper("", "kind = \"striker\"\nmass = 50\nvelocity = 30");
+        let scene = scene.replace("\"1 cm^2\"", "[[0, 1e-4], [0.2, 3e-4]]");
         let text = format!(
-            "{scene}[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = \"5 us\"\nmethod = \"fd\"\ncells = 400\n"
+            "{scene}[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = \"20 us\"\nmethod = \"fd\"\ncells = {cells}\n"
         );
         let scene = Scene::parse("taper", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
         let [left, _] = solve(&scene, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}")).ends;
-        left.stress[3] / left.stress[0]
+        [0.1e-6, 1e-6, 5e-6, 12e-6, 19e-6].map(|time| left.stress[left.time.partition_point(|&row| row < time)])
     };
-    let [uniform, tapered] = ["1e-4", "[[0, 1e-4], [0.2, 3e-4]]"].map(first);
-    assert!((uniform - 1.0).abs() < 1e-3 && (tapered - 1.0).abs() > 0.1, "{uniform} {tapered}");
+    let [coarse, fine] = [400, 1600].map(stresses);
+    assert!((fine[1] / fine[0] - 1.0).abs() < 1e-3 && fine[4] / fine[0] > 1.04, "{fine:?}");
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        assert!((coarse / fine - 1.0).abs() < 0.01, "{coarse:e} {fine:e}");
+    }
+}
+
+/// Without fans leapfrog answered elastically in the first step beside a taper, or where the state at t = 0 changes along a segment: forces
+/// at joints were 60 to 94 % too large at any resolution, at a dashpot 156 %, at walls 5 and 10 %.
+#[test]
+fn tapers_and_uneven_states_start_with_fans() {
+    let segment =
+        |material: &str, more: &str| format!("[[bar.segment]]\nlength = \"0.2 m\"\nmaterial = {material}\n{more}\n");
+    let elastic = "{ density = 7800, modulus = \"200 GPa\", curve = { table = [[0.1, \"20 GPa\"]] } }";
+    let steel =
+        "{ density = 7800, modulus = \"200 GPa\", curve = { table = [[1e-3, \"200 MPa\"], [0.1, \"1 GPa\"]] } }";
+    let (copper, area, cone) = ("\"copper-annealed\"", "area = 1e-4\n", "area = [[0, 2e-4], [0.2, 1e-4]]\n");
+    let free = "[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n";
+    let on_left = |left: &str| format!("[left]\n{left}\n[right]\nkind = \"free\"\n");
+    let (end, joint) = ("/figures/left/peak_force_N", "/figures/joints/1/peak_force_N");
+    let struck = |rod: &str, bar: &str| segment(elastic, &format!("{area}{rod}")) + &segment(copper, bar) + free;
+    let cases = [
+        ("a rod on a cone", struck("velocity = 30\njoint = \"contact\"", cone), joint),
+        ("a rod bonded to a cone", struck("velocity = 30", cone), joint),
+        ("a rod of uneven velocity", struck("velocity = [[0, 30], [0.2, 40]]", area), joint),
+        ("a rod of uneven stress", struck("velocity = 30\nstress = [[0, 0], [0.2, -1.5e8]]", area), joint),
+        ("a cone on a wall", segment(copper, &format!("{cone}velocity = -30")) + &on_left("kind = \"wall\""), end),
+        (
+            "a bar of uneven hardness on a wall",
+            segment(steel, &format!("{area}velocity = -40\nplastic-strain = [[0, 0.001], [0.2, 0.01]]"))
+                + &on_left("kind = \"wall\""),
+            end,
+        ),
+        (
+            "a bar of uneven velocity on a dashpot",
+            segment(copper, &format!("{area}velocity = [[0, -40], [0.2, -30]]"))
+                + &on_left("kind = \"dashpot\"\ncoefficient = 1e4"),
+            end,
+        ),
+    ];
+    for (name, scene, pointer) in cases {
+        let exact = peak(&scene, "method = \"moc\"\nfront-tolerance = 1e-2", pointer);
+        let schemes: &[_] = if scene.contains(cone) { &["leapfrog"] } else { &["leapfrog", "muscl"] };
+        for scheme in schemes {
+            let error = peak(&scene, &format!("scheme = \"{scheme}\"\ncells = 1600"), pointer) / exact - 1.0;
+            assert!(error.abs() < 0.05, "{name}, {scheme}: {error}");
+            assert!(*scheme == "muscl" || error.abs() < 0.035, "{name}, {scheme}: {error}");
+        }
+    }
 }
 
 /// A known miss, as docs/guide/methods.md states it: the force of a stiff spring rises faster than plastic waves leave the first cells, and by leapfrog

@@ -557,6 +557,11 @@ impl Block {
         taper.area.iter().enumerate().map(|(i, area)| area * law.overstress_work(&own(i))).sum()
     }
 
+    /// Mass of the node to the left of local cell `i` (0 < i < cells) over the mean mass of a cell of the segment.
+    pub fn node_mass(&self, i: usize) -> f64 {
+        self.taper.as_ref().map_or(1.0, |taper| taper.node_mass(i))
+    }
+
     /// Of the motion of the nodes inside.
     pub fn inner_nodes(&self, velocity_gain: f64) -> NodeMotion {
         self.nodes(|i| self.v[i] - self.velocity_increment(velocity_gain, i))
@@ -571,8 +576,7 @@ impl Block {
     fn nodes(&self, before: impl Fn(usize) -> f64) -> NodeMotion {
         let mut all = NodeMotion::default();
         for i in 1..self.sigma.len() {
-            let mass = self.taper.as_ref().map_or(1.0, |taper| taper.node_mass(i));
-            all.add(mass, NodeMotion::of(before(i), self.v[i]));
+            all.add(self.node_mass(i), NodeMotion::of(before(i), self.v[i]));
         }
         all
     }

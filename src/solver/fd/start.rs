@@ -89,9 +89,6 @@ impl Leapfrog {
 
     fn starting_fan(&self, initial_fan: &InitialFan) -> Option<StartingFan> {
         let segment = initial_fan.segment;
-        if self.blocks.iter().any(|block| block.segment == segment && block.taper.is_some()) {
-            return None;
-        }
         let (part, c, dt) = (&self.grid.segments[segment], &self.constants[segment], self.grid.dt);
         let wave_speed = c.courant * part.dx / dt;
         let grid = Resolution { dx: part.dx, cells: part.cells.len(), dt, wave_speed };
@@ -243,9 +240,10 @@ impl Leapfrog {
             for i in inside {
                 let distance = distance(first + i);
                 let change = change(distance, block.v[i]);
-                imposed.note(c.cell_mass, change, weight(distance));
+                let mass = c.cell_mass * block.node_mass(i);
+                imposed.note(mass, change, weight(distance));
                 let velocity_increment = block.velocity_increment(c.velocity_gain, i);
-                imposed.energy -= 0.5 * c.cell_mass * grid_filter::node(velocity_increment, change, &mut block.v[i]);
+                imposed.energy -= 0.5 * mass * grid_filter::node(velocity_increment, change, &mut block.v[i]);
             }
             block.note_undamped();
             // The edge beyond it, where that is inside the segment.

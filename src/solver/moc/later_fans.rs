@@ -128,6 +128,7 @@ impl FrontTracking {
             holds_until: f64::INFINITY,
             driver: Driver::Velocity,
             alone: true,
+            uniform_for: f64::INFINITY,
         })
     }
 

@@ -1,0 +1,92 @@
+//! How far a segment is as it is at one of its ends, to the fans that start there.
+
+use super::Segment;
+
+/// Change of the section, of the force that the velocity and the stress of the bar ahead bring, and of plastic strain, relative to the section and to
+/// what a fan changes, up to which the state behind the fan counts as constant. Copper and bilinear steel on walls, rods, dashpots and strikers, with
+/// tapers and uneven states, 400 cells: without fans peaks are wrong by 30 % in the mean by leapfrog, with 0.05 by 3.2, 0.1 by 1.7, 0.2 by 0.7 %;
+/// but with 0.2 stresses in the bar are wrong by 3.6 %, with 0.05 and 0.1 by 1.9 and 2.0 %, and without fans by 2.5 %.
+const SAME: f64 = 0.1;
+
+/// Distance from the left (`direction` +1) or right (-1) end of a segment within which its section counts as that of the end, m.
+pub(crate) fn same_section(segment: &Segment, direction: f64) -> f64 {
+    let Some(taper) = &segment.taper else { return f64::INFINITY };
+    let area = segment.end_areas()[usize::from(direction < 0.0)];
+    same(taper.rows().map(|(x, _)| (x, taper.area(x))).collect(), direction, SAME * area)
+}
+
+/// Distance from the left (`direction` +1) or right (-1) end of a segment within which its initial state counts as that of the end, m, for a load
+/// that changes the stress by `stress` (Pa) and the strain by `strain`, either sign.
+pub(crate) fn same_state(segment: &Segment, direction: f64, stress: f64, strain: f64) -> f64 {
+    let Some(profile) = &segment.profile else { return f64::INFINITY };
+    let [stress, strain] = [stress, strain].map(|change| SAME * change.abs());
+    let tables = [
+        (&profile.velocity, stress / segment.material.impedance()),
+        (&profile.stress, stress),
+        (&profile.plastic_strain, strain),
+        (&profile.accumulated, strain),
+    ];
+    let within =
+        tables.map(|(table, allowed)| same(table.part(0.0, segment.length).rows().collect(), direction, allowed));
+    within.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Distance from the first or the last of these rows (x, value), straight between them, within which the value changes by no more than `allowed`.
+fn same(mut rows: Vec<(f64, f64)>, direction: f64, allowed: f64) -> f64 {
+    if direction < 0.0 {
+        rows.reverse();
+    }
+    let (start, value) = rows[0];
+    for pair in rows.windows(2) {
+        let [before, after] = [pair[0], pair[1]].map(|row| row.1 - value);
+        if after.abs() > allowed {
+            let part = (allowed.copysign(after) - before) / (after - before);
+            return (pair[0].0 + part * (pair[1].0 - pair[0].0) - start).abs();
+        }
+    }
+    f64::INFINITY
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::bar::{Distribution, InitialProfile, Profile, Taper};
+    use crate::material::{Beyond, Curve, Material};
+
+    fn segment(length: f64) -> Segment {
+        let curve = Curve::new(&[(1e-3, 200e6)], Beyond::Extend).expect("rows rise");
+        Segment::new(length, 1.0, Material::from_curve("m", 8000.0, curve))
+    }
+
+    #[test]
+    fn a_section_is_the_same_up_to_a_tenth_more_or_less() {
+        let within = |rows: &[(f64, f64)], direction: f64| {
+            let taper = Taper::new(Profile::Area, rows).expect("rows rise");
+            same_section(&Segment { taper: Some(Arc::new(taper)), ..segment(3.0) }, direction)
+        };
+        let rows = [(0.0, 1.0), (1.0, 1.0), (2.0, 2.0), (3.0, 1.0)];
+        assert!((within(&rows, 1.0) - 1.1).abs() < 1e-12);
+        assert!((within(&rows, -1.0) - 0.1).abs() < 1e-12);
+        assert_eq!(within(&[(0.0, 1.0), (3.0, 1.05)], 1.0), f64::INFINITY);
+        assert_eq!(same_section(&segment(3.0), 1.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_state_is_the_same_up_to_a_jump_or_a_slope() {
+        let zero = Distribution::constant(0.0);
+        let profile = InitialProfile {
+            velocity: Distribution::new(&[(0.0, 10.0), (1.0, 10.0), (1.0, 4.0), (2.0, 4.0)]).expect("rows"),
+            stress: Distribution::new(&[(0.0, 0.0), (2.0, -80e6)]).expect("rows"),
+            plastic_strain: zero.clone(),
+            accumulated: zero.clone(),
+            temperature_rise: zero,
+        };
+        let segment = Segment { profile: Some(Arc::new(profile)), ..segment(2.0) };
+        assert!((same_state(&segment, 1.0, -80e6, 1e-3) - 0.2).abs() < 1e-12);
+        // Waves of 4e7 Pa s/m: the jump of velocity is one of 240 MPa.
+        assert_eq!([1.0, -1.0].map(|direction| same_state(&segment, direction, 2e9, 1e-3)), [1.0; 2]);
+        assert_eq!(same_state(&segment, 1.0, 2.5e9, 1e-3), f64::INFINITY);
+    }
+}

@@ -287,7 +287,7 @@ impl Imposed {
                     change: peak,
                     sudden: history.is_constant(),
                     loads_until: until.min(released),
-                    holds_until: holds_until(history, rest + peak).min(released),
+                    holds_until: holds_until(history, rest, peak).min(released),
                 })
             }
             EndCondition::Stress { history } => {
@@ -297,7 +297,7 @@ impl Imposed {
                     change: peak,
                     sudden: history.is_constant(),
                     loads_until,
-                    holds_until: holds_until(history, peak),
+                    holds_until: holds_until(history, 0.0, peak),
                 })
             }
             EndCondition::Fixed => Some(Self::steady(Driver::Velocity, -rest)),
@@ -356,13 +356,15 @@ fn peak(history: &super::History, rest: f64) -> (f64, f64) {
     (best, f64::INFINITY)
 }
 
-/// Time up to which a history has this value from t = 0 on, s.
-fn holds_until(history: &super::History, value: f64) -> f64 {
-    if history.at(0.0) != value {
+/// Time up to which a history is at this `peak` above `rest` from t = 0 on, s.
+fn holds_until(history: &super::History, rest: f64, peak: f64) -> f64 {
+    // The sum of both is the value of the history to rounding only.
+    let is_there = |value: f64| value - rest == peak;
+    if !is_there(history.at(0.0)) {
         return 0.0;
     }
     let start = history.time().partition_point(|&time| time <= 0.0).max(1) - 1;
-    let change = history.value()[start..].iter().position(|&other| other != value);
+    let change = history.value()[start..].iter().position(|&other| !is_there(other));
     change.map_or(f64::INFINITY, |k| history.time()[start + k.max(1) - 1])
 }
 
@@ -438,12 +440,21 @@ mod tests {
     #[test]
     fn a_history_holds_its_value_up_to_the_row_before_another() {
         let until =
-            |rows: &[(f64, f64)], value: f64| holds_until(&History::new(rows).expect("rows are in order"), value);
+            |rows: &[(f64, f64)], value: f64| holds_until(&History::new(rows).expect("rows are in order"), 0.0, value);
         assert_eq!(until(&[(0.0, 3.0)], 3.0), f64::INFINITY);
         assert_eq!(until(&[(0.0, 0.0), (0.0, 3.0), (2.0, 3.0), (2.0, 0.0)], 3.0), 2.0);
         assert_eq!(until(&[(0.0, 3.0), (1.0, 3.0), (2.0, 0.0), (4.0, 3.0)], 3.0), 1.0);
         assert_eq!(until(&[(0.0, 3.0), (2.0, 0.0)], 3.0), 0.0);
         assert_eq!(until(&[(0.0, 0.0), (2.0, 3.0)], 3.0), 0.0);
         assert_eq!(until(&[(1.0, 3.0), (2.0, 3.0)], 3.0), 0.0);
+    }
+
+    /// -34.1 + 68.4 is not 34.3: the end had no fan, and the first cell 22 % too much strain.
+    #[test]
+    fn a_velocity_holds_whatever_rounding_makes_of_its_difference_to_that_of_the_bar() {
+        let history = History::constant(34.3);
+        let (peak, _) = peak(&history, -34.1);
+        assert_eq!(holds_until(&history, -34.1, peak), f64::INFINITY);
+        assert_ne!(-34.1 + peak, 34.3);
     }
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::nearness::REST;
 use super::place::Content;
-use crate::wave::riemann::{Medium, Path, Point};
+use crate::wave::riemann::{Flow, Medium, Path, Point};
 
 /// The allowance, over (front tolerance)^2 times stress scale times length. Steps of height delta that are delta apart
 /// make up a smooth wave to within delta; those that are a little closer become one.
@@ -219,11 +219,13 @@ impl Scratch {
             for i in step.first..step.last {
                 let piece = &self.pieces[i];
                 let mut lifted = piece.plus(height, 1.0).plus(&step.height, -1.0);
-                let lacking = |point: &Point| point.plastic.abs() - point.accumulated;
-                if lacking(&lifted) > lacking(piece).max(0.0) + rounding {
-                    return None;
+                if medium.flow != Flow::PathIndependent {
+                    let lacking = |point: &Point| point.plastic.abs() - point.accumulated;
+                    if lacking(&lifted) > lacking(piece).max(0.0) + rounding {
+                        return None;
+                    }
+                    lifted.accumulated = lifted.accumulated.max(lifted.plastic.abs());
                 }
-                lifted.accumulated = lifted.accumulated.max(lifted.plastic.abs());
                 let over = medium.overstress(&lifted);
                 if over > most + rounding && over > medium.overstress(piece) + rounding {
                     return None;

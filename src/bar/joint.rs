@@ -111,12 +111,13 @@ impl Contact {
         self.sudden = Some((load, force));
     }
 
-    /// Notes the force (N) of the step that was taken.
-    pub fn note(&mut self, dt: f64, force: f64) {
+    /// Notes the force (N) of the step that was taken, of which a peak may show no more than `most` (N).
+    pub fn note(&mut self, dt: f64, force: f64, most: f64) {
         let time = self.elapsed - dt;
-        let force = self.sudden.map_or(force, |(load, known)| load.blend(time, -known, force));
-        if force > self.pressed.peak * (1.0 + 1e-9) {
-            (self.pressed.peak, self.pressed.time_of_peak) = (force, time);
+        let known = |scheme: f64| self.sudden.map_or(scheme, |(load, known)| load.blend(time, -known, scheme));
+        let (force, shown) = (known(force), known(force.min(most)));
+        if shown > self.pressed.peak * (1.0 + 1e-9) {
+            (self.pressed.peak, self.pressed.time_of_peak) = (shown, time);
         }
         if force > NO_FORCE * self.pressed.peak {
             self.pressed.duration += dt;
@@ -233,7 +234,7 @@ mod tests {
         let mut contact = Contact::new(Joint::Contact { gap: 0.0 }).expect("a contact");
         for (force, presses) in [(2.0, true), (1.0, true), (1e-15, false), (0.0, false), (1.0, true), (1e-15, false)] {
             contact.advance(0.25, force, 0.0);
-            contact.note(0.25, force);
+            contact.note(0.25, force, f64::INFINITY);
             assert_eq!(contact.presses(), presses, "{force}");
         }
         assert_eq!((contact.pressed().duration, contact.pressed().pressed_until), (0.75, 1.25));

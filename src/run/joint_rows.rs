@@ -4,15 +4,14 @@ use crate::bar::Bar;
 use crate::record::Trace;
 use crate::solver::fd::Grid;
 
-/// Joints that are read in the cells to their left and right.
-///
-/// At a joint the force is `F = (F_l m_r + F_r m_l)/(m_l + m_r)`, that between the halves of the node there: `F_l` and `F_r` are the forces of
-/// the cells beside it, `m_l` and `m_r` their masses.
+/// Joints that are read in the cells to their left and right: the force is the lesser one of both, none where one pulls and the other pushes. A wave
+/// that has come to one of the cells has not passed the joint yet, and where one of them yields, the other one first answers as if it did not: the mean
+/// of both was 17.0 kN for 8.7 kN between a soft and a hard bar, at any resolution.
 pub(super) struct JointRows {
     /// Centres of both cells, m.
     places: Vec<[f64; 2]>,
-    /// Of their stresses in the stress of the joint, on the section to its left.
-    weights: Vec<[f64; 2]>,
+    /// Sections on the right of the joints over those on their left, to which their stress belongs.
+    sections: Vec<f64>,
 }
 
 impl JointRows {
@@ -20,8 +19,8 @@ impl JointRows {
     pub fn new(bar: &Bar, grid: &Grid, joints: impl Iterator<Item = f64>) -> Self {
         let distance = |k: usize, x: f64| (grid.segments[k].x0 - x).abs();
         let right = |x: f64| (1..grid.segments.len()).min_by(|&a, &b| distance(a, x).total_cmp(&distance(b, x)));
-        let (places, weights) = joints.filter_map(right).map(|k| beside(bar, grid, k)).unzip();
-        Self { places, weights }
+        let (places, sections) = joints.filter_map(right).map(|k| beside(bar, grid, k)).unzip();
+        Self { places, sections }
     }
 
     /// Where the stress is read, m: the cells to the left and to the right of each joint in turn.
@@ -33,24 +32,24 @@ impl JointRows {
     pub fn join(&self, histories: &mut Vec<Trace>) {
         let beside = histories.split_off(histories.len() - 2 * self.places.len());
         let mut beside = beside.into_iter();
-        for [of_left, of_right] in &self.weights {
+        for sections in &self.sections {
             let (Some(mut left), Some(right)) = (beside.next(), beside.next()) else { return };
             for (stress, right) in left.stress.iter_mut().zip(right.stress) {
-                *stress = of_left * *stress + of_right * right;
+                *stress = passed(*stress, sections * right);
             }
             histories.push(left);
         }
     }
 }
 
-/// The places and weights of the joint to the left of segment `k`.
-fn beside(bar: &Bar, grid: &Grid, k: usize) -> ([f64; 2], [f64; 2]) {
-    let ([left, right], [a, b]) =
-        ([&bar.segments[k - 1], &bar.segments[k]], [&grid.segments[k - 1], &grid.segments[k]]);
-    let ([_, left_area], [right_area, _]) = (left.end_areas(), right.end_areas());
-    let [left_mass, right_mass] =
-        [left.material.density * left_area * a.dx, right.material.density * right_area * b.dx];
-    let both = left_mass + right_mass;
-    let places = [b.x0 - 0.5 * a.spacing, b.x0 + 0.5 * b.spacing];
-    (places, [right_mass / both, right_area / left_area * left_mass / both])
+/// The places of the cells at the joint to the left of segment `k`, and the section on its right over that on its left.
+fn beside(bar: &Bar, grid: &Grid, k: usize) -> ([f64; 2], f64) {
+    let [a, b] = [&grid.segments[k - 1], &grid.segments[k]];
+    let [left, right] = [bar.segments[k - 1].end_areas()[1], bar.segments[k].end_areas()[0]];
+    ([b.x0 - 0.5 * a.spacing, b.x0 + 0.5 * b.spacing], right / left)
+}
+
+/// Of two stresses that which is the force of a joint: the lesser one; none of different signs.
+fn passed(a: f64, b: f64) -> f64 {
+    if a * b > 0.0 { a.signum() * a.abs().min(b.abs()) } else { 0.0 }
 }

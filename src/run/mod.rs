@@ -305,8 +305,6 @@ struct RunResults {
     residual_profile: ResidualProfile,
     account: Account,
     contacts: Vec<ContactReading>,
-    /// Side on which the histories beside joints see them: 0 left, 1 right.
-    joint_side: usize,
     paths_complete: bool,
 }
 
@@ -535,6 +533,13 @@ fn joint_places(scene: &Scene) -> impl Iterator<Item = f64> {
     ends.take(segments.len() - 1)
 }
 
+/// What is simulated to the left and the right of the joints: their segments, or the pieces of these at the joint.
+fn beside_joints(scene: &Scene) -> impl Iterator<Item = [&Segment; 2]> {
+    let of = |k: usize| scene.discretized.as_ref().map_or(k, |cut| cut.of[k]);
+    let pairs = scene.bar.segments.windows(2).enumerate();
+    pairs.filter(move |(k, _)| of(*k) != of(k + 1)).map(|(_, pair)| [&pair[0], &pair[1]])
+}
+
 /// The force with which joint `k` broke, N, and when; 0 if it holds.
 fn breaks(segments: &[Segment], ruptures: Option<&[Rupture]>, k: usize) -> Extreme {
     let broken = ruptures.and_then(|all| all.iter().find(|rupture| rupture.site == Site::Joint(k)));
@@ -548,7 +553,6 @@ fn breaks(segments: &[Segment], ruptures: Option<&[Rupture]>, k: usize) -> Extre
 fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
     let scene = (scene, asked(scene));
     let segments = &scene.1.bar.segments;
-    let side = results.joint_side;
     let residual_profile = results.residual_profile.means();
     Records {
         bar: &scene.1.bar,
@@ -556,7 +560,7 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
         torsion: scene.1.torsion.is_some(),
         gauges: scene.1.record.gauges.iter().map(|gauge| gauge.0.as_str()).collect(),
         tally,
-        joint_areas: segments[side..].iter().take(segments.len() - 1).map(|s| s.end_areas()[1 - side]).collect(),
+        joint_areas: beside_joints(scene.0).map(|[left, _]| left.end_areas()[1]).collect(),
         residual_profile: &residual_profile,
         segments: original_segments(scene.0, &results.segments),
         account: results.account,

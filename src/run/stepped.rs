@@ -342,7 +342,6 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             residual_profile: self.residual_profile(),
             account: self.bar.account(),
             contacts: self.bar.contacts(),
-            joint_side: 0,
             paths_complete: false,
         };
         self.recorder.close(ended, results)

@@ -13,7 +13,7 @@ use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Extreme, Field, Ledger, LedgerSummary,
-    Paths, ResidualProfile, SegmentEnd, StepGauges, Summary, TrackedFronts, TrackingSummary, Twisted, View,
+    Paths, ResidualProfile, SegmentEnd, StepGauges, Summary, Trace, TrackedFronts, TrackingSummary, Twisted, View,
 };
 use crate::scene::Scene;
 use crate::simulate::{Interval, Simulation, simulate};
@@ -37,6 +37,16 @@ pub(super) const OUT_OF_EVENTS: &str = "front tracking reached its limit of";
 
 /// What a sample of the fields means, for the result file.
 const SAMPLING: &str = "exact; on a front, the state behind it; at a joint, the state on its right";
+
+/// Joints are read on their right, and are the last of these histories: their stress on the section to the left, as on a grid.
+fn to_the_left_of_joints(scene: &Scene, histories: &mut [Trace]) {
+    let joints = super::asked(scene).bar.segments.len() - 1;
+    let first = histories.len().saturating_sub(joints);
+    for (trace, [left, right]) in histories[first..].iter_mut().zip(super::beside_joints(scene)) {
+        let sections = right.end_areas()[0] / left.end_areas()[1];
+        trace.stress.iter_mut().for_each(|stress| *stress *= sections);
+    }
+}
 
 /// Runs a scene by front tracking.
 pub(super) fn run(task: Task<'_>, settings: Settings) -> Result<Summary> {
@@ -202,8 +212,9 @@ impl<'a> Run<'a> {
     }
 
     fn write_traces(&mut self) -> Result<()> {
-        let gauges = self.gauges.take();
+        let mut gauges = self.gauges.take();
         self.listener.hear(&gauges);
+        to_the_left_of_joints(self.recorder.scene, &mut gauges);
         let ends = self.ends.take(&self.bar);
         self.recorder.write_traces(gauges, ends, self.bar.ruptures())
     }
@@ -317,7 +328,6 @@ impl<'a> Run<'a> {
             residual_profile: self.residual_profile(),
             account: self.bar.account(),
             contacts: View::contacts(&self.bar),
-            joint_side: 1,
             paths_complete: self.paths.complete(),
         };
         self.recorder.close(ended, results)

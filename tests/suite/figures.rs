@@ -91,6 +91,28 @@ fn a_joint_that_carries_no_force_has_no_impulse() {
     }
 }
 
+/// Front tracking gave the stress on the section to the right, and behind tapers that of a piece of it as if it were on the section of the end.
+#[test]
+fn joints_in_torsion_show_the_stress_to_their_left_by_every_method() {
+    let steel =
+        "{ density = 7800, modulus = \"80 GPa\", loading = \"shear\", curve = { table = [[0.01, \"800 MPa\"]] } }";
+    let tube = |inside: &str| {
+        format!("[[bar.segment]]\nlength = 0.2\ndiameter = 0.02\ninner-diameter = {inside}\nmaterial = {steel}\n")
+    };
+    let bar = format!("[bar]\nmode = \"torsion\"\n{}{}", tube("0.016"), tube("0.01"));
+    let scene = format!(
+        "{bar}[left]\nkind = \"velocity\"\nvalue = \"100 rad/s\"\n[right]\nkind = \"absorbing\"\n[solve]\nuntil = \"100 us\"\n"
+    );
+    // Moments of area of the left and the right tube: of what comes, the joint carries 2 J_r/(J_l + J_r).
+    let [left, right] = [0.016_f64, 0.01].map(|inside| 0.02_f64.powi(4) - inside.powi(4));
+    let incoming = -7800.0 * (80e9_f64 / 7800.0).sqrt() * 100.0 * 0.01;
+    for solve in ["cells = 200", "cells = 200\nscheme = \"muscl\"", "method = \"moc\""] {
+        let figures = summary("torsion", &format!("{scene}{solve}\n"), &[]);
+        let peak = figures["joints"]["1"]["peak_stress_Pa"].as_f64().expect("a stress");
+        assert!((peak / (incoming * 2.0 * right / (left + right)) - 1.0).abs() < 1e-6, "{solve}: {peak:e}");
+    }
+}
+
 /// By the net a taper is cut into pieces: the joint behind it was looked for under its number among these, and what it showed was the stress in the
 /// last piece. The note on what moves apart gave that number, too.
 #[test]

@@ -104,7 +104,8 @@ pub(super) static LOAD: &[Definition<Site>] = &[
     ),
     row(
         ("peak_stress", Dimension::Stress, "peak"),
-        "stress of largest magnitude with its sign, in place of the force in bars without an area and in torsion",
+        "stress of largest magnitude with its sign, at a joint on the section to its left, in place of the force in bars without an area \
+         and in torsion",
         |site| if site.area.is_none() { Some(site.load.peak.value) } else { None },
     ),
     row(

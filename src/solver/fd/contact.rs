@@ -131,7 +131,9 @@ impl Contact {
         self.ahead.lose(0.5 * (before + self.force), closer);
         // What stops half a cell, more than its bar can carry, is not what the faces carry.
         let stops = touches && (self.force - mean).abs() > self.limit;
-        self.ahead.note(dt, if stops { mean.max(0.0) } else { self.force });
+        // Where a bar yields, the force first is that of elastic ones; both cells together have less.
+        let most = if yielded || self.force > self.limit { cells[0].min(cells[1]) } else { f64::INFINITY };
+        self.ahead.note(dt, if stops { mean.max(0.0) } else { self.force }, most);
         self.move_on(cells);
     }
 

@@ -96,7 +96,7 @@ impl Joint {
         if apart {
             contact.lose(force, dt * (closed[0].velocity - closed[1].velocity));
         }
-        contact.note(dt, force);
+        contact.note(dt, force, f64::INFINITY);
         closed
     }
 }

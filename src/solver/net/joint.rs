@@ -65,7 +65,7 @@ impl Joint {
         let (passed, force) = couple(left, right, &bars, touches.then_some(rate), dt);
         if touches {
             contact.lose(force, gap);
-            contact.note(dt, force);
+            contact.note(dt, force, f64::INFINITY);
         }
         passed
     }

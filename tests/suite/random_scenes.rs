@@ -10,6 +10,7 @@
 mod checks;
 mod draw;
 mod found;
+mod loads;
 mod rules;
 mod spec;
 mod watch;
@@ -26,6 +27,8 @@ use spec::{Method, Spec};
 /// Scenes of the ordinary test, some 15 s on two processors, and of the long one.
 const SCENES: usize = 1000;
 const MANY: usize = 100_000;
+/// Scenes whose loads are compared, on more cells, some 5 s.
+const LOADED: usize = 300;
 /// Failing scenes that are simplified and shown.
 const SHOWN: usize = 2;
 const SIMPLIFYING: Duration = Duration::from_secs(6);
@@ -165,6 +168,20 @@ fn assert_holds(scenes: usize) {
 #[test]
 fn any_scene_is_refused_with_help_or_keeps_its_account() {
     assert_holds(from_environment("BARWAVE_RANDOM_SCENES").map_or(SCENES, |count| count as usize));
+}
+
+/// Largest forces, impulses and times of contact at ends and joints, as a summary shows them, are the same by every method, or come together on
+/// finer cells.
+#[test]
+fn methods_agree_on_the_loads_of_any_scene() {
+    let (seed, scenes) = (seed(), from_environment("BARWAVE_RANDOM_SCENES").map_or(LOADED, |count| count as usize));
+    let check = |spec: &Spec| Checked { failures: loads::disagree(spec), became: Vec::new() };
+    let tally = examine(seed, scenes, &check);
+    for Found { seed, spec, method, failure } in &tally.found {
+        println!("BARWAVE_RANDOM_SCENE={seed} {method:?}: {}: {}", failure.class, failure.detail);
+        println!("{}", spec.text(*method, 1));
+    }
+    assert!(tally.failed.is_empty(), "BARWAVE_RANDOM_SEED={seed}: {:?}", tally.failed);
 }
 
 /// The scene that a failure names as drawn by a seed: its files, what becomes of it, and what does not hold.

@@ -173,7 +173,7 @@ fn is_driven_beyond_and_unloaded(spec: &Spec, pair: &[(Method, &Figures)]) -> bo
 /// The ends under a stress above all that their curves carry, and whether it falls back later. There strain gathers, by any method. After a
 /// flow in the other sense a curve carries less by what the elastic range has moved, there and back: see
 /// `an_end_that_is_turned_round_carries_less`.
-fn driven_beyond(spec: &Spec) -> impl Iterator<Item = bool> {
+pub fn driven_beyond(spec: &Spec) -> impl Iterator<Item = bool> {
     let scene = Scene::parse("driven.toml", &spec.text(Method::Leapfrog, 1), Path::new("."), &[]);
     let falls = scene.map_or([None; 2], |scene| {
         let last = scene.bar.segments.len() - 1;

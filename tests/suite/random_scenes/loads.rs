@@ -1,0 +1,129 @@
+//! The loads of ends and joints, as users read them: methods agree on largest forces, impulses and times of contact.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use barwave::bar::EndCondition;
+use barwave::record::Summary;
+use barwave::run::run;
+use barwave::scene::Scene;
+
+use super::checks::{Failure, driven_beyond};
+use super::spec::{MAX_EVENTS, Method, Spec};
+
+/// Cells of grids, about; front tolerance and events of front tracking.
+const CELLS: usize = 800;
+const FRONT_TOLERANCE: f64 = 1e-3;
+const EVENTS: u64 = 200_000;
+/// Times as many cells, with which a difference has to fall to this part, or to be small.
+const FINER: usize = 4;
+const FALLS: f64 = 0.72;
+/// Part of the larger of two loads by which they may differ, or of this part of the largest of their kind in the bar.
+const AGREE: f64 = 0.15;
+const SMALL: f64 = 0.2;
+/// The same at ends of bars of several segments: see `a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end`.
+const PULSE: f64 = 0.6;
+/// Plastic strain above which plastic waves are so slow that the cells do not resolve them.
+const RESOLVED: f64 = 0.1;
+
+/// Peaks are of stresses where there is no area, and in torsion.
+const KINDS: [&[&str]; 3] = [&["peak_force", "peak_stress"], &["impulse", "impulse_per_area"], &["contact_duration"]];
+
+/// Part of the run after which peaks are not compared.
+const ENDS: f64 = 0.95;
+/// Loads that are none: N or Pa, N s, and parts of the time of the run. Of an end that nothing has come to rounding is left, which may touch it.
+const ROUNDING: [f64; 3] = [1e-3, 1e-6, 0.01];
+
+/// Sizes of loads by place and kind: N or Pa, N s, and parts of the time of the run.
+type Loads = Vec<(Vec<String>, usize, f64)>;
+
+/// The run by a method with `by` times as many cells; none where it does not come to its end.
+fn summary(spec: &Spec, method: Method, by: usize) -> Option<(Scene, Summary)> {
+    let cells = by * CELLS.div_ceil(spec.cells);
+    let tolerance = FRONT_TOLERANCE / by as f64;
+    // At smaller Courant numbers leapfrog rings behind sharp elastic waves, by a quarter of them.
+    let spec = Spec { front_tolerance: tolerance, cfl: 1.0, ..spec.clone() };
+    let tracks = method == Method::Moc && !spec.has_effect("rate");
+    let text = spec.text(method, if tracks { 1 } else { cells });
+    let text = text.replace(&format!("max-events = {MAX_EVENTS}"), &format!("max-events = {EVENTS}"));
+    let scene = Scene::parse("loads.toml", &text, Path::new("."), &[]).ok()?;
+    let summary = run(&scene, None, &mut |_| ControlFlow::Continue(())).ok()?;
+    Some((scene, summary))
+}
+
+fn loads(scene: &Scene, summary: &Summary) -> Loads {
+    let mut loads = Loads::new();
+    for group in summary.figures.0.iter().filter(|group| !is_beside_spring(scene, &group.path)) {
+        for (kind, names) in KINDS.iter().enumerate() {
+            let figure = |names: &[&str]| group.figures.iter().find(|figure| names.contains(&figure.name));
+            // What is still growing at the end goes with its time, by a step.
+            let grows =
+                kind == 0 && figure(&["time_of_peak"]).is_some_and(|time| time.value > ENDS * scene.solve.until);
+            if let Some(load) = figure(names).filter(|_| !grows) {
+                let unit = if kind == 2 { scene.solve.until } else { 1.0 };
+                loads.push((group.path.clone(), kind, load.value.abs() / unit));
+            }
+        }
+    }
+    loads
+}
+
+/// See `a_stiff_spring_overshoots_on_a_grid`.
+fn is_beside_spring(scene: &Scene, path: &[String]) -> bool {
+    let spring = |end: &EndCondition| matches!(end, EndCondition::Spring { .. });
+    path.first().is_some_and(|place| match place.as_str() {
+        "left" => spring(&scene.left),
+        "right" => spring(&scene.right),
+        _ => false,
+    })
+}
+
+/// The largest difference between the loads of two runs over what is allowed, and where.
+fn worst(a: &Loads, b: &Loads, segments: usize) -> (f64, String) {
+    let mut worst = (0.0, String::new());
+    for (place, kind, own) in a {
+        let Some((.., other)) = b.iter().find(|load| load.0 == *place && load.1 == *kind) else { continue };
+        let largest =
+            a.iter().chain(b).filter(|load| load.1 == *kind).map(|load| load.2).fold(ROUNDING[*kind], f64::max);
+        let at_end = place[0] != "joints" && segments > 1;
+        let agree = if at_end && *kind == 0 { PULSE } else { AGREE };
+        let allowed = agree * own.max(*other).max(SMALL * largest);
+        if (own - other).abs() > worst.0 * allowed {
+            worst =
+                ((own - other).abs() / allowed, format!("{} {}: {own:e} {other:e}", place.join(" "), KINDS[*kind][0]));
+        }
+    }
+    worst
+}
+
+/// Loads that two methods do not agree on, and do not come to agree on with finer cells.
+pub fn disagree(spec: &Spec) -> Vec<(Method, Failure)> {
+    // Where and when a bar breaks goes with the resolution; along falling curves see tests/suite/muscl_bounds.rs.
+    let unresolved = spec.has_effect("rupture") || spec.has_falling_curve() || driven_beyond(spec).next().is_some();
+    if unresolved || spec.effects.is_none() {
+        return Vec::new();
+    }
+    let is_slow = |summary: &Summary| {
+        let strain = summary.figures.get(&[], "largest_plastic_strain").unwrap_or(0.0);
+        summary.above_critical || strain > RESOLVED
+    };
+    let done: Vec<_> = Method::ALL.into_iter().filter_map(|method| Some((method, summary(spec, method, 1)?))).collect();
+    if done.iter().any(|(_, (_, summary))| is_slow(summary)) {
+        return Vec::new();
+    }
+    let mut failures = Vec::new();
+    for pair in done.windows(2) {
+        let [a, b] = [&pair[0], &pair[1]];
+        let (size, _) = worst(&loads(&a.1.0, &a.1.1), &loads(&b.1.0, &b.1.1), spec.segments.len());
+        if size <= 1.0 {
+            continue;
+        }
+        let finer = [a.0, b.0].map(|method| summary(spec, method, FINER));
+        let [Some(finer_a), Some(finer_b)] = finer else { continue };
+        let (finer, place) = worst(&loads(&finer_a.0, &finer_a.1), &loads(&finer_b.0, &finer_b.1), spec.segments.len());
+        if finer > 1.0 && finer > FALLS * size {
+            failures.push((b.0, Failure::new("methods disagree on a load", format!("{place}; {:?}", a.0))));
+        }
+    }
+    failures
+}

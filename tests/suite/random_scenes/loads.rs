@@ -8,7 +8,7 @@ use barwave::record::Summary;
 use barwave::run::run;
 use barwave::scene::Scene;
 
-use super::checks::{Failure, driven_beyond};
+use super::checks::{Failure, driven_beyond, figures_of};
 use super::spec::{MAX_EVENTS, Method, Spec};
 
 /// Cells of grids, about; front tolerance and events of front tracking.
@@ -56,10 +56,11 @@ fn loads(scene: &Scene, summary: &Summary) -> Loads {
     for group in summary.figures.0.iter().filter(|group| !is_beside_spring(scene, &group.path)) {
         for (kind, names) in KINDS.iter().enumerate() {
             let figure = |names: &[&str]| group.figures.iter().find(|figure| names.contains(&figure.name));
-            // What is still growing at the end goes with its time, by a step.
-            let grows =
-                kind == 0 && figure(&["time_of_peak"]).is_some_and(|time| time.value > ENDS * scene.solve.until);
-            if let Some(load) = figure(names).filter(|_| !grows) {
+            // What is still growing at the end goes with its time, by a step; a rate-dependent bar carries the elastic force of a sudden change
+            // for less than that.
+            let grows = figure(&["time_of_peak"]).is_some_and(|time| time.value > ENDS * scene.solve.until);
+            let unresolved = kind == 0 && (grows || scene.effects.rate.is_some());
+            if let Some(load) = figure(names).filter(|_| !unresolved) {
                 let unit = if kind == 2 { scene.solve.until } else { 1.0 };
                 loads.push((group.path.clone(), kind, load.value.abs() / unit));
             }
@@ -108,7 +109,9 @@ pub fn disagree(spec: &Spec) -> Vec<(Method, Failure)> {
         summary.above_critical || strain > RESOLVED
     };
     let done: Vec<_> = Method::ALL.into_iter().filter_map(|method| Some((method, summary(spec, method, 1)?))).collect();
-    if done.iter().any(|(_, (_, summary))| is_slow(summary)) {
+    // What gathers at a place comes back on a grid alone, see `what_gathers_at_a_place_comes_back_on_a_grid_alone`.
+    let gathers = |method: Method| figures_of(&spec.text(method, 1)).is_some_and(|figures| figures.gathers);
+    if done.iter().any(|(method, (_, summary))| is_slow(summary) || gathers(*method)) {
         return Vec::new();
     }
     let mut failures = Vec::new();

@@ -118,8 +118,8 @@ fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     }
     let settings = Settings { event_budget: EVENTS, front_segments: true, ..Settings::default() };
     if !sudden_fans::is_uniform(scene) {
-        let at_start = || sudden_fans::at_ends_of_segments(scene, settings);
-        return if scene.bar.has_initial_state() { at_start() } else { first };
+        let stressed = scene.bar.has_initial_state();
+        return if stressed { sudden_fans::at_ends_of_segments(scene, settings) } else { first };
     }
     let stepped = as_stepped(scene, grid);
     let later = front_tracking(&stepped, settings).later_fans(scene.solve.until);

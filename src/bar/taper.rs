@@ -97,7 +97,7 @@ impl Taper {
     }
 
     /// The area goes with this power of the size.
-    pub fn power(&self) -> f64 {
+    fn power(&self) -> f64 {
         if self.profile == Profile::Area { 1.0 } else { 2.0 }
     }
 

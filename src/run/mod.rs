@@ -379,7 +379,7 @@ impl<'a> RunRecorder<'a> {
         let scene = self.scene;
         let named = |rupture: &Rupture| Rupture {
             site: scene.original_site(rupture.site),
-            segment: scene.discretized.as_ref().map_or(rupture.segment, |cut| cut.of[rupture.segment]),
+            segment: scene.original_segment(rupture.segment),
             ..*rupture
         };
         self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().iter().map(named).collect())
@@ -504,7 +504,7 @@ fn asked(scene: &Scene) -> &Scene {
 fn original_segments(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<SegmentEnd> {
     let mut ends = vec![SegmentEnd::default(); asked(scene).bar.segments.len()];
     for (k, end) in simulated.iter().enumerate() {
-        ends[scene.discretized.as_ref().map_or(k, |cut| cut.of[k])].add(end);
+        ends[scene.original_segment(k)].add(end);
     }
     ends
 }
@@ -535,9 +535,9 @@ fn joint_places(scene: &Scene) -> impl Iterator<Item = f64> {
 
 /// What is simulated to the left and the right of the joints: their segments, or the pieces of these at the joint.
 fn beside_joints(scene: &Scene) -> impl Iterator<Item = [&Segment; 2]> {
-    let of = |k: usize| scene.discretized.as_ref().map_or(k, |cut| cut.of[k]);
     let pairs = scene.bar.segments.windows(2).enumerate();
-    pairs.filter(move |(k, _)| of(*k) != of(k + 1)).map(|(_, pair)| [&pair[0], &pair[1]])
+    let is_joint = |k: usize| scene.original_segment(k) != scene.original_segment(k + 1);
+    pairs.filter(move |(k, _)| is_joint(*k)).map(|(_, pair)| [&pair[0], &pair[1]])
 }
 
 /// The force with which joint `k` broke, N, and when; 0 if it holds.

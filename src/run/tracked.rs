@@ -40,8 +40,7 @@ const SAMPLING: &str = "exact; on a front, the state behind it; at a joint, the 
 
 /// Joints are read on their right, and are the last of these histories: their stress on the section to the left, as on a grid.
 fn to_the_left_of_joints(scene: &Scene, histories: &mut [Trace]) {
-    let joints = super::asked(scene).bar.segments.len() - 1;
-    let first = histories.len().saturating_sub(joints);
+    let first = histories.len().saturating_sub(super::beside_joints(scene).count());
     for (trace, [left, right]) in histories[first..].iter_mut().zip(super::beside_joints(scene)) {
         let sections = right.end_areas()[0] / left.end_areas()[1];
         trace.stress.iter_mut().for_each(|stress| *stress *= sections);

@@ -103,6 +103,11 @@ impl Scene {
         scene
     }
 
+    /// The segment of the scene that was asked for, of which this one is a piece.
+    pub fn original_segment(&self, segment: usize) -> usize {
+        self.discretized.as_ref().map_or(segment, |cut| cut.of[segment])
+    }
+
     /// The joint or end of the scene that was asked for.
     pub fn original_origin(&self, origin: Origin) -> Origin {
         match (&self.discretized, origin) {

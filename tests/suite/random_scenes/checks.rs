@@ -90,7 +90,7 @@ const AGREE: [f64; 3] = [0.04, 0.07, 0.15];
 /// How many times as many: a load that is shorter than the time of a cell is not resolved before.
 const FINER: [usize; 6] = [1, 2, 4, 8, 16, 32];
 /// Strain above which plastic waves are so slow that some ten cells do not resolve them.
-const RESOLVED: f64 = 0.1;
+pub const RESOLVED: f64 = 0.1;
 /// Stresses of bars in uniform motion are rounding, Pa.
 const ROUNDING_STRESS: f64 = 1.0;
 /// What is left of a difference on twice the cells where it goes to zero; with fronts to the square root of the cell size. Since the scene's

@@ -8,7 +8,7 @@ use barwave::record::Summary;
 use barwave::run::run;
 use barwave::scene::Scene;
 
-use super::checks::{Failure, driven_beyond, figures_of};
+use super::checks::{Failure, RESOLVED, driven_beyond, figures_of};
 use super::spec::{MAX_EVENTS, Method, Spec};
 
 /// Cells of grids, about; front tolerance and events of front tracking.
@@ -23,8 +23,6 @@ const AGREE: f64 = 0.15;
 const SMALL: f64 = 0.2;
 /// The same at ends of bars of several segments: see `a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end`.
 const PULSE: f64 = 0.6;
-/// Plastic strain above which plastic waves are so slow that the cells do not resolve them.
-const RESOLVED: f64 = 0.1;
 
 /// Peaks are of stresses where there is no area, and in torsion.
 const KINDS: [&[&str]; 3] = [&["peak_force", "peak_stress"], &["impulse", "impulse_per_area"], &["contact_duration"]];
@@ -55,17 +53,17 @@ fn loads(scene: &Scene, summary: &Summary) -> Loads {
     let mut loads = Loads::new();
     for group in &summary.figures.0 {
         let end = end_at(scene, &group.path);
-        // See `a_stiff_spring_overshoots_on_a_grid` and `a_light_striker_flutters`.
+        // See `a_stiff_spring_overshoots_on_a_grid` and `a_light_striker_chatters`.
         if matches!(end, Some(EndCondition::Spring { .. })) {
             continue;
         }
-        let flutters = matches!(end, Some(EndCondition::Striker { .. }));
+        let chatters = matches!(end, Some(EndCondition::Striker { .. }));
         for (kind, names) in KINDS.iter().enumerate() {
             let figure = |names: &[&str]| group.figures.iter().find(|figure| names.contains(&figure.name));
             // What is still growing at the end goes with its time, by a step; a rate-dependent bar carries the elastic force of a sudden change
             // for less than that.
             let grows = figure(&["time_of_peak"]).is_some_and(|time| time.value > ENDS * scene.solve.until);
-            let unresolved = kind == 0 && (grows || scene.effects.rate.is_some()) || kind == 2 && flutters;
+            let unresolved = kind == 0 && (grows || scene.effects.rate.is_some()) || kind == 2 && chatters;
             if let Some(load) = figure(names).filter(|_| !unresolved) {
                 let unit = if kind == 2 { scene.solve.until } else { 1.0 };
                 loads.push((group.path.clone(), kind, load.value.abs() / unit));

@@ -353,7 +353,7 @@ fn what_the_grid_gives_goes_to_zero_with_the_cells() {
 /// Open, and the rule that leaves out how long strikers touch: a light one loses its velocity to the bar and rides along under a force that falls
 /// below a ten-thousandth of the largest one. The Godunov scheme then has it touch in some steps and not in others.
 #[test]
-fn a_light_striker_flutters() {
+fn a_light_striker_chatters() {
     let bilinear =
         "{ density = 6190, modulus = \"120 GPa\", curve = { table = [[1.11e-3, 1.332e8], [2.63e-2, 2.1439e9]] } }";
     let bar = bar(bilinear).replace("0.19", "1.5").replace("1e-4", "1430e-6") + "velocity = 3.36\n";

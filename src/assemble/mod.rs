@@ -1,5 +1,6 @@
 //! Selection of the types of a scene: which law, in which form, for which segment. The only place that does this.
 
+mod rate_curves;
 mod sudden_fans;
 
 use std::f64::consts::PI;
@@ -74,10 +75,10 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     } else {
         let (fans, sudden) = if follows_curves(scene) {
             let fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_LEAPFROG);
-            let sudden = sudden_loads(scene, &fans, &grid);
+            let sudden = sudden_loads(scene, &fans, &grid, 1.0);
             (fans, sudden)
         } else {
-            Default::default()
+            start_with_rate(scene, &grid)
         };
         let bar = Leapfrog::new(&scene.bar, grid, laws, ends.clone()).starting_with(&ends, &fans, at_once);
         bar.under_sudden_loads(sudden)
@@ -100,7 +101,7 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
     let fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_MUSCL);
-    let sudden = sudden_loads(scene, &fans, &grid);
+    let sudden = sudden_loads(scene, &fans, &grid, 1.0);
     let ends = [scene.left.clone(), scene.right.clone()];
     let bar = Muscl::new(&scene.bar, grid, laws, media, ends);
     let bar = if follows_curves(scene) { bar.starting_with(&fans) } else { bar };
@@ -135,9 +136,33 @@ fn as_stepped(scene: &Scene, grid: &Grid) -> Scene {
     scene
 }
 
-fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid) -> SuddenLoads {
-    let dx: Vec<f64> = grid.segments.iter().map(|part| part.dx).collect();
+/// The loads behind these fans, for a `part` of the time for which schemes need the state behind them.
+fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid, part: f64) -> SuddenLoads {
+    let dx: Vec<f64> = grid.segments.iter().map(|segment| part * segment.dx).collect();
     SuddenLoads::new(&scene.bar, fans, &dx)
+}
+
+/// Steps after a load at which the state behind it is looked up where it fades: the mean of the first one, and about the last ones that show it.
+const FADING: [f64; 2] = [0.5, 100.0];
+
+/// Part of the time for which schemes need the state behind a fan in which they come to it themselves where flow takes time.
+const COMES_TO_IT: f64 = 0.5;
+
+/// The fans with which a rate-dependent bar starts, and its sudden loads; neither in a bar without a rate.
+fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads) {
+    if scene.effects.rate.is_none() {
+        return Default::default();
+    }
+    let times = FADING.map(|steps| steps * grid.dt);
+    let [early, late] = times.map(|time| {
+        let quick = rate_curves::taking_no_time(scene, time);
+        let mut fans = sudden_fans(&quick, grid, sudden_fans::LATE_IN_LEAPFROG);
+        fans.retain(|fan| rate_curves::has_relaxed(fan, scene, times[0]));
+        (sudden_loads(&quick, &fans, grid, COMES_TO_IT), fans)
+    });
+    let loads = late.0.fading(&early.0, times);
+    let fans = late.1.into_iter().filter(|fan| loads.hardly_fades(fan.origin)).collect();
+    (fans, loads)
 }
 
 /// Stress differences that are rounding where states are summed up over many steps, as a part of the yield stress.
@@ -204,7 +229,9 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
     let laws = scene.bar.segments.iter().map(|s| rate_law(&s.material, &scene.effects)).collect();
-    Net::new(&scene.bar, net::grid(&scene.bar, cells), laws, [scene.left.clone(), scene.right.clone()])
+    let grid = net::grid(&scene.bar, cells);
+    let (_, sudden) = start_with_rate(scene, &grid);
+    Net::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()]).under_sudden_loads(sudden)
 }
 
 /// The rate-dependent law of a material at its reference temperature. Without a rate in the effects, or constants of the material (which

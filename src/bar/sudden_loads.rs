@@ -31,6 +31,27 @@ impl SuddenLoads {
         let joints = (0..bar.segments.len() - 1).filter_map(joint).collect();
         Self { ends: [end(Origin::Left), end(Origin::Right)], joints }
     }
+
+    /// The loads of a rate-dependent bar, as they are at the second of two `times` (s) after the start of each; `early` are those at the first.
+    #[must_use]
+    pub fn fading(self, early: &Self, times: [f64; 2]) -> Self {
+        let end = |side: usize| self.ends[side]?.fading(early.ends[side].as_ref()?, times);
+        let joint = |&(k, load, force): &(usize, SuddenLoad, f64)| {
+            let (_, early, _) = early.joints.iter().find(|joint| joint.0 == k)?;
+            Some((k, load.fading(early, times)?, force))
+        };
+        Self { ends: [end(0), end(1)], joints: self.joints.iter().filter_map(joint).collect() }
+    }
+
+    /// At the origin of a fan there is a load, which is as in a bar that takes no time to flow.
+    pub fn hardly_fades(&self, origin: Origin) -> bool {
+        let load = match origin {
+            Origin::Left => self.ends[0].as_ref(),
+            Origin::Right => self.ends[1].as_ref(),
+            Origin::Joint(k) => self.joints.iter().find(|joint| joint.0 == k).map(|joint| &joint.1),
+        };
+        load.is_some_and(SuddenLoad::hardly_fades)
+    }
 }
 
 /// The load behind a fan, on cells of length `dx` (m); none where the segment stays elastic: grids are exact there.
@@ -44,5 +65,6 @@ fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
         by_body: (fan.driver == Driver::Body).then(|| -fan.direction * material.modulus * fan.relief(material.c0())),
         from: fan.from,
         lasts,
+        fading: None,
     })
 }

@@ -189,7 +189,12 @@ stepped!(
         self.clear_log();
     }
 );
-stepped!(Net);
+stepped!(
+    Net,
+    fn sudden_loads(&self) -> SuddenLoads {
+        self.sudden_loads().clone()
+    }
+);
 stepped!(
     Muscl,
     fn sudden_loads(&self) -> SuddenLoads {

@@ -13,6 +13,7 @@ use crate::accuracy::GridListener;
 use crate::assemble;
 use crate::bar::Segment;
 use crate::error::{Error, Result, RunError};
+use crate::law::rupture::Site;
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Frames, FrontTracker, Ledger,
     LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
@@ -137,7 +138,11 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let places = scene.record.gauge_places().into_iter().chain(joints.places()).collect();
         let mut recorder = RunRecorder::open(scene, target, frames.x().to_vec(), "", started)?;
         let sudden = bar.sudden_loads();
-        recorder.tally.start_under(&sudden, &scene.bar);
+        let loaded = sudden.joints.iter().filter_map(|&(k, load, force)| {
+            let Site::Joint(joint) = scene.original_site(Site::Joint(k)) else { return None };
+            Some((joint, load, force / scene.bar.segments[k].end_areas()[1]))
+        });
+        recorder.tally.start_under(loaded);
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &recorder.initial_fans, [&scene.left, &scene.right]);
         // sigma = rho c0 v holds where nothing acts along the bar.
         let plain = assemble::along(&scene.bar, &scene.effects).is_none();

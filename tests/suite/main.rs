@@ -61,6 +61,7 @@ mod random_scenes;
 mod rate_at_a_point;
 mod rate_on_the_grid;
 mod rate_scenes;
+mod rate_sudden_loads;
 mod report;
 mod resume;
 mod run_binary;

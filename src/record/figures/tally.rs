@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bar::{Bar, SuddenLoad, SuddenLoads};
+use crate::bar::{Bar, SuddenLoad};
 use crate::record::Trace;
 
 /// A value counts as larger than the largest so far if it exceeds it by this part: the ripple of rounding on a constant stress does not
@@ -90,10 +90,10 @@ impl Tally {
         Self { ends: [loads[0], loads[last]], gauges: vec![Gauge::default(); gauges], joints: loads[..last].to_vec() }
     }
 
-    /// Joints are suddenly loaded; the rows of ends include their sudden loads.
-    pub fn start_under(&mut self, loads: &SuddenLoads, bar: &Bar) {
-        for &(k, load, force) in &loads.joints {
-            self.joints[k].sudden = Some((load, force / bar.segments[k].end_areas()[1]));
+    /// Joints are suddenly loaded: each with the stress beside it (Pa). The rows of ends include their sudden loads.
+    pub fn start_under(&mut self, joints: impl Iterator<Item = (usize, SuddenLoad, f64)>) {
+        for (joint, load, stress) in joints {
+            self.joints[joint].sudden = Some((load, stress));
         }
     }
 

@@ -7,9 +7,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::part::{INSIDE, Load, Part};
-use crate::bar::Joint as Kind;
 use crate::bar::ends::Response;
 use crate::bar::joint::{Contact, force_at, free_rate};
+use crate::bar::{Joint as Kind, SuddenLoad};
 use crate::law::rate::{Flow, History};
 
 /// Rounds in which the flows of two sides adapt to each other: each halves what is missing, and both are treated alike.
@@ -53,6 +53,13 @@ impl Side<'_> {
 impl Joint {
     pub fn new(kind: Kind) -> Self {
         Self { contact: Contact::new(kind) }
+    }
+
+    /// The faces are suddenly loaded like this; see [`Contact::load`].
+    pub fn load(&mut self, load: SuddenLoad, force: f64) {
+        if let Some(contact) = &mut self.contact {
+            contact.load(load, force);
+        }
     }
 
     /// One step.

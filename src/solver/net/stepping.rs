@@ -3,7 +3,7 @@
 use super::end::End;
 use super::joint::Joint;
 use super::part::Part;
-use crate::bar::{Bar, EndCondition};
+use crate::bar::{Bar, EndCondition, SuddenLoads};
 use crate::law::FirstPassed;
 use crate::law::rate::RateLaw;
 use crate::solver::fd::Grid;
@@ -20,6 +20,7 @@ pub struct Net {
     entering: Vec<[f64; 2]>,
     pub(super) step: usize,
     pub(super) passed: FirstPassed,
+    sudden: SuddenLoads,
 }
 
 impl Net {
@@ -48,7 +49,23 @@ impl Net {
             ends,
             step: 0,
             passed: FirstPassed::default(),
+            sudden: SuddenLoads::default(),
         }
+    }
+
+    /// The same bar at t = 0, whose ends and joints are loaded like this.
+    #[must_use]
+    pub fn under_sudden_loads(mut self, loads: SuddenLoads) -> Self {
+        for &(k, load, force) in &loads.joints {
+            self.joints[k].load(load, force);
+        }
+        self.sudden = loads;
+        self
+    }
+
+    /// States behind sudden loads of ends and joints.
+    pub fn sudden_loads(&self) -> &SuddenLoads {
+        &self.sudden
     }
 
     /// One step. Allocates nothing.

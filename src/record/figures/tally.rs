@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::bar::joint::NO_FORCE;
 use crate::bar::{Bar, SuddenLoad};
 use crate::record::Trace;
 
@@ -57,7 +58,7 @@ impl Load {
     fn add(&mut self, rows: &Trace, last: f64) {
         for (&time, &stress) in rows.time.iter().zip(&rows.stress).take_while(|&(&time, _)| time <= last) {
             self.peak.add(time, self.sudden.map_or(stress, |(load, known)| load.blend(time, known, stress)));
-            let is_released = stress.abs() <= self.no_stress;
+            let is_released = stress.abs() <= self.no_stress.max(NO_FORCE * self.peak.value.abs());
             if !is_released && !self.is_released {
                 self.duration += time - self.last_time;
                 self.loaded_until = time;

@@ -60,7 +60,7 @@ pub(super) const WATCHED: [Quantity; 4] =
     [Quantity::Stress, Quantity::Strain, Quantity::Velocity, Quantity::Temperature];
 
 /// Steps without flow after which a yielded block is taken to be elastic for a while.
-const STEPS_WITHOUT_FLOW: u32 = 16;
+pub(super) const STEPS_WITHOUT_FLOW: u32 = 16;
 
 /// What a block's cells have met so far; decides which kernel they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -201,6 +201,22 @@ impl Block {
         self.stage != Stage::Plastic
     }
 
+    /// Some of its cells have flowed in the latest steps.
+    pub fn flowed_lately(&self) -> bool {
+        self.is_plastic() && self.steps_without_flow + 1 < STEPS_WITHOUT_FLOW
+    }
+
+    /// A local cell comes to a stress (Pa) elastically.
+    pub fn carries(&self, law: &SegmentLaw, cell: usize, stress: f64) -> bool {
+        if self.state.is_empty() {
+            return stress.abs() <= law.yield_stress;
+        }
+        let mut state: Vec<f64> = self.state.chunks_exact(self.sigma.len()).map(|column| column[cell]).collect();
+        let (mut reached, mut work) = ([self.sigma[cell]], [0.0]);
+        law.law.strain(&[stress - self.sigma[cell]], &mut reached, &mut state, &mut work);
+        work[0] == 0.0
+    }
+
     /// Gives every node its velocity at t = 0, m/s, by the node's number in the bar.
     pub fn start_with(&mut self, velocity: impl Fn(usize) -> f64) {
         let nodes = self.cells.start..=self.cells.end;
@@ -271,7 +287,7 @@ impl Block {
 
     /// Takes down where ripples may come from after a step.
     pub fn note_yield(&mut self, step: usize) {
-        if self.stage == Stage::Plastic {
+        if self.flowed_lately() {
             self.damps_from = self.damps_from.min(step);
         }
     }
@@ -471,7 +487,7 @@ impl Block {
             return;
         }
         self.steps_without_flow = self.steps_without_flow.saturating_add(1);
-        if self.steps_without_flow == STEPS_WITHOUT_FLOW {
+        if self.steps_without_flow.is_multiple_of(STEPS_WITHOUT_FLOW) {
             let up_to = law.law.elastic_up_to(law.yield_stress, &self.state);
             let accumulated = (0..self.sigma.len()).map(|i| law.law.accumulated(&self.state, i)).fold(0.0, f64::max);
             self.elastic_up_to = if law.end.is_far(accumulated, -up_to) { up_to } else { 0.0 };
@@ -494,7 +510,7 @@ impl Block {
         let is_elastic = elastic_row(law.stress_gain, &self.v[start..=end], sigma) <= self.elastic_up_to;
         if !is_elastic {
             sigma.copy_from_slice(before);
-            (self.steps_without_flow, self.elastic_up_to) = (0, 0.0);
+            self.elastic_up_to = 0.0;
         }
         is_elastic
     }

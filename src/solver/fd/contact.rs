@@ -108,12 +108,12 @@ impl Contact {
     }
 
     /// Takes the faces from half a step before the current time to half a step after it; `sigma` are the stresses in
-    /// the cells to their left and right, some of which have `yielded`.
-    pub fn advance(&mut self, sigma: [f64; 2], yielded: bool, dt: f64) {
+    /// the cells to their left and right, some of which `flow`.
+    pub fn advance(&mut self, sigma: [f64; 2], flows: bool, dt: f64) {
         let cells = self.cells(sigma);
         let held = [0, 1].map(|k| Response { force: cells[k], impedance: self.sides[k].impedance });
         let mean = force_at(0.0, &held);
-        let bounded = yielded || !self.are_characteristics;
+        let bounded = flows || !self.are_characteristics;
         let choice = self.impulses.choose(mean, bounded);
         let passed_on = self.impulses.passed_on(mean, choice);
         let bars = [0, 1].map(|k| self.sides[k].response(cells[k], passed_on));
@@ -132,7 +132,7 @@ impl Contact {
         // What stops half a cell, more than its bar can carry, is not what the faces carry.
         let stops = touches && (self.force - mean).abs() > self.limit;
         // Where a bar yields, the force first is that of elastic ones; both cells together have less.
-        let most = if yielded || self.force > self.limit { cells[0].min(cells[1]) } else { f64::INFINITY };
+        let most = if flows || self.force > self.limit { cells[0].min(cells[1]) } else { f64::INFINITY };
         self.ahead.note(dt, if stops { mean.max(0.0) } else { self.force }, most);
         self.move_on(cells);
     }

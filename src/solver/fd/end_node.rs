@@ -42,8 +42,8 @@ pub struct EndNode {
     throughput: f64,
     /// The velocity follows from what holds the end.
     held: bool,
-    /// Cells beside it have yielded.
-    yielded: bool,
+    /// Cells beside it flow.
+    flows: bool,
     /// What the present step takes over, see [`Impulses::choose`].
     passed_on: PassedOn,
     /// It was suddenly made to move in the latest step.
@@ -114,7 +114,7 @@ impl EndNode {
             impulse: 0.0,
             throughput: 0.0,
             held: false,
-            yielded: false,
+            flows: false,
             passed_on: PassedOn::default(),
             struck: false,
             damped: 0.0,
@@ -156,16 +156,16 @@ impl EndNode {
     }
 
     /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
-    /// in the end cell, beside which some have `yielded`.
-    pub fn advance(&mut self, time: f64, sigma_cell: f64, yielded: bool) {
+    /// in the end cell, beside which some `flow`.
+    pub fn advance(&mut self, time: f64, sigma_cell: f64, flows: bool) {
         let cell = -self.node.area * sigma_cell;
-        self.prepare(cell, yielded);
+        self.prepare(cell, flows);
         self.advance_showing(time, cell, sigma_cell);
     }
 
     /// Settles what a step under the force `cell` (N) takes over from the one before, whatever the force turns out to be.
-    fn prepare(&mut self, cell: f64, yielded: bool) {
-        self.yielded = yielded;
+    fn prepare(&mut self, cell: f64, flows: bool) {
+        self.flows = flows;
         self.passed_on = self.impulses.choose(cell, self.is_bounded());
     }
 
@@ -211,8 +211,8 @@ impl EndNode {
 
     /// Settles what a step takes over from the one before where the bar gives about the impulse `pull`, N s in +x. So the answer to a
     /// pull that is looked for does not jump.
-    pub(super) fn prepare_for(&mut self, pull: f64, yielded: bool) {
-        self.prepare(-self.face.inward * pull / self.dt, yielded);
+    pub(super) fn prepare_for(&mut self, pull: f64, flows: bool) {
+        self.prepare(-self.face.inward * pull / self.dt, flows);
     }
 
     /// Velocity change of the step around `time` if the bar gives that mass an impulse of `pull`, N s in +x.
@@ -373,7 +373,7 @@ impl EndNode {
 
     /// The half node is the characteristic of the bar, which is elastic here.
     fn is_exact(&self) -> bool {
-        !self.yielded && self.is_characteristic()
+        !self.flows && self.is_characteristic()
     }
 
     /// It stops the node at once with a force that cells may not be able to carry.

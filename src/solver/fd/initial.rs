@@ -6,7 +6,7 @@
 //! before t = 0 where a whole step of these stresses would have begun. Where forces act along the bar, the nodes start half a step before
 //! t = 0 and take the whole step ([`super::implicit::Implicit::start_under`]).
 
-use super::block::Block;
+use super::block::{Block, STEPS_WITHOUT_FLOW};
 use super::edge::last;
 use super::leapfrog::Leapfrog;
 use crate::bar::Bar;
@@ -66,6 +66,7 @@ impl Block {
     fn set_state(&mut self, cell: usize, state: &[f64]) {
         if self.is_elastic() {
             self.start_plastic(state.len());
+            self.steps_without_flow = STEPS_WITHOUT_FLOW - 1;
         }
         let cells = self.sigma.len();
         self.state.chunks_exact_mut(cells).zip(state).for_each(|(column, &number)| column[cell] = number);

@@ -82,7 +82,7 @@ impl Leapfrog {
         };
         let cell = if side == 0 { 0 } else { block.sigma.len() - 1 };
         let state = end.at_once(condition, block.sigma[cell]);
-        let carries = block.is_elastic() && state.stress.abs() <= self.laws[block.segment].yield_stress;
+        let carries = block.carries(&self.laws[block.segment], cell, state.stress);
         let answers_at_once = self.implicit.is_none() || end.is_characteristic();
         (answers_at_once && (carries || !yields_at_once)).then_some(state)
     }

@@ -68,7 +68,7 @@ impl Subdomain<'_> {
         if edges.start == 0
             && let Some(left) = &mut self.ends[0]
         {
-            left.advance(time, self.blocks[0].sigma[0], !self.blocks[0].is_elastic());
+            left.advance(time, self.blocks[0].sigma[0], self.blocks[0].flowed_lately());
             self.blocks[0].set_edge(0, left.velocity_after());
         }
         for k in self.inner(&edges) {
@@ -83,8 +83,8 @@ impl Subdomain<'_> {
         for contact in &mut *self.contacts {
             if edges.contains(&(contact.edge as i64 + 1)) {
                 let [left, right] = pair(self.blocks, contact.edge - self.first);
-                let yielded = !left.is_elastic() || !right.is_elastic();
-                contact.advance([last(&left.sigma), right.sigma[0]], yielded, self.common.dt);
+                let flows = left.flowed_lately() || right.flowed_lately();
+                contact.advance([last(&left.sigma), right.sigma[0]], flows, self.common.dt);
                 left.set_edge(1, contact.velocities(0)[1]);
                 right.set_edge(0, contact.velocities(1)[1]);
             }
@@ -92,7 +92,7 @@ impl Subdomain<'_> {
         if edges.end > self.common.blocks as i64
             && let (Some(right), Some(block)) = (&mut self.ends[1], self.blocks.last_mut())
         {
-            right.advance(time, last(&block.sigma), !block.is_elastic());
+            right.advance(time, last(&block.sigma), block.flowed_lately());
             block.set_edge(1, right.velocity_after());
         }
     }
@@ -208,7 +208,7 @@ impl Subdomain<'_> {
         let beside = [self.blocks.first(), self.blocks.last()];
         for ((end, due), block) in self.ends.iter_mut().zip(due).zip(beside) {
             if let (Some(end), Some(block)) = (end.as_mut().filter(|_| due), block) {
-                end.note(block.is_elastic());
+                end.note(!block.flowed_lately());
             }
         }
     }

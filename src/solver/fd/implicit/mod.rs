@@ -219,8 +219,8 @@ impl Implicit {
         let right_sides = [self.change[0], self.change[n]];
         self.matrix.solve(&mut self.change);
         let pulls = self.matrix.left_for_ends(right_sides, &self.change);
-        left.prepare_for(pulls[0], !blocks[0].is_elastic());
-        right.prepare_for(pulls[1], !blocks[blocks.len() - 1].is_elastic());
+        left.prepare_for(pulls[0], blocks[0].flowed_lately());
+        right.prepare_for(pulls[1], blocks[blocks.len() - 1].flowed_lately());
         if self.rubbing.is_empty() {
             self.move_ends(time, pulls, blocks, left, right);
         } else {

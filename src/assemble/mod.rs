@@ -89,10 +89,15 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     }
 }
 
-/// First loading follows the materials' curves at once: no rate, and no temperature that is a state of its own.
+/// First loading follows the materials' curves at once.
 fn follows_curves(scene: &Scene) -> bool {
+    scene.effects.rate.is_none() && starts_on_curves(scene)
+}
+
+/// First loading starts on the materials' curves; where it heats them, these are adiabatic from a cold state without plastic strain on.
+fn starts_on_curves(scene: &Scene) -> bool {
     let warms = |segment: &Segment| heat_of_state(segment, &scene.effects).is_some();
-    scene.effects.rate.is_none() && !scene.bar.segments.iter().any(warms)
+    !scene.bar.segments.iter().any(|segment| warms(segment) && (segment.has_yielded() || segment.starts_warm()))
 }
 
 /// The conservative finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
@@ -148,9 +153,9 @@ const FADING: [f64; 2] = [0.5, 100.0];
 /// Part of the time for which schemes need the state behind a fan in which they come to it themselves where flow takes time.
 const COMES_TO_IT: f64 = 0.5;
 
-/// The fans with which a rate-dependent bar starts, and its sudden loads; neither in a bar without a rate.
+/// The fans with which a rate-dependent bar starts, and its sudden loads; neither in another bar.
 fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads) {
-    if scene.effects.rate.is_none() {
+    if scene.effects.rate.is_none() || !starts_on_curves(scene) {
         return Default::default();
     }
     let times = FADING.map(|steps| steps * grid.dt);

@@ -71,7 +71,10 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let ends = [scene.left.clone(), scene.right.clone()];
     let at_once = scene.effects.rate.is_none();
     let bar = if let Some(along) = along(&scene.bar, &scene.effects) {
-        Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along).starting_with(&ends, &[], at_once)
+        let fans = if follows_curves(scene) { sudden_fans::beside_forces(scene, &along) } else { Vec::new() };
+        let sudden = sudden_loads(scene, &fans, &grid, 1.0);
+        let bar = Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along);
+        bar.starting_with(&ends, &fans, at_once).under_sudden_loads(sudden)
     } else {
         let (fans, sudden) = if follows_curves(scene) {
             let fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_LEAPFROG);

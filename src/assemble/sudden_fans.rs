@@ -2,12 +2,13 @@
 
 use super::front_tracking;
 use crate::bar::{
-    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, drives_at_start, same_section, same_state,
+    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, drives_at_start, first_fans, same_section,
+    same_state,
 };
 use crate::law::Table;
 use crate::material::Sense;
 use crate::scene::{HardeningRule, Scene};
-use crate::solver::fd::Grid;
+use crate::solver::fd::{DistributedForces, Grid};
 use crate::solver::moc::Settings;
 
 /// Parts of a step by which a wave may arrive before or after one, and by which cells of a segment may have delayed it, to be as sharp as the start of
@@ -57,6 +58,32 @@ pub(super) fn at_ends_of_segments(scene: &Scene, settings: Settings) -> Vec<Init
     let fans = front_tracking(&halves, settings).later_fans(HARDLY_STARTED * shortest);
     let of_one = fans.chunk_by(|a, b| a.origin == b.origin);
     of_one.filter_map(|fans| in_whole_segments(&at_start(fans, &halves)?, &scene.bar)).flatten().collect()
+}
+
+/// Part of the stress behind a fan by which forces along the bar may change it while it is followed.
+const HARDLY_CHANGED: f64 = 0.02;
+
+/// The fans at t = 0 of a bar along which something acts, while that hardly changes them. None with internal damping or lateral inertia: waves that
+/// jump disperse at once there.
+pub(super) fn beside_forces(scene: &Scene, along: &DistributedForces) -> Vec<InitialFan> {
+    if along.internal > 0.0 || along.lateral.iter().any(|&lateral| lateral > 0.0) {
+        return Vec::new();
+    }
+    let mut fans = first_fans(&scene.bar, &scene.left, &scene.right);
+    fans.retain(|fan| fan.from == 0.0);
+    for fan in &mut fans {
+        let segment = &scene.bar.segments[fan.segment];
+        let (c0, [stress, _]) = (segment.material.c0(), fan.changes());
+        let area = segment.end_areas()[usize::from(fan.direction < 0.0)];
+        let velocity = fan.fan.velocity.abs().max(fan.velocity_ahead.abs());
+        // Forces per length (N/m) that act on what an elastic wave has passed: at once, and as it is displaced.
+        let at_once = along.external * velocity + along.friction;
+        let allowed = HARDLY_CHANGED * stress * area / c0;
+        let displaced = along.foundation * velocity;
+        let times = [allowed / at_once, (allowed / displaced).sqrt()];
+        fan.holds_until = times.into_iter().filter(|time| !time.is_nan()).fold(fan.holds_until, f64::min);
+    }
+    fans
 }
 
 /// The fans of an end or a joint of halves in the segments of the bar; none of one between the halves of a segment.

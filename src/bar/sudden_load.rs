@@ -47,15 +47,11 @@ impl SuddenLoad {
     /// Stress (Pa) and velocity (m/s) of an end at `time` (s), given those of the scheme; none outside the time of the load.
     pub fn end(&self, time: f64, [stress, velocity]: [f64; 2]) -> Option<[f64; 2]> {
         let weight = self.weight(time)?;
-        Some(match self.by_body {
-            Some(impedance) => {
-                [self.blend(time, self.stress + impedance * (velocity - self.velocity), stress), velocity]
-            }
-            None => {
-                let faster = self.fading.map_or(0.0, |fading| fading.faster * self.earliness(time));
-                [self.blend(time, self.stress, stress), mean(weight, self.velocity + faster, velocity)]
-            }
-        })
+        if let Some(impedance) = self.by_body {
+            return Some([self.blend(time, self.stress + impedance * (velocity - self.velocity), stress), velocity]);
+        }
+        let faster = self.fading.map_or(0.0, |fading| fading.faster * self.earliness(time));
+        Some([self.blend(time, self.stress, stress), mean(weight, self.velocity + faster, velocity)])
     }
 
     /// A quantity at `time` (s) that goes with the stress: the `known` value in the first half of the load, as far as it has faded, then a mean with

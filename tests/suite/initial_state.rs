@@ -129,6 +129,9 @@ fn a_bar_that_has_yielded_is_a_bar_of_the_hardened_material() {
     }
 }
 
+/// Of a bar whose hardened parts have this plastic strain.
+type Segments<'a> = &'a dyn Fn(f64) -> Vec<(f64, String)>;
+
 /// Ends of a hardened bar were free in the first step, and the grid filter rang in it by 20 % of the wave, at any resolution.
 #[test]
 fn sharp_elastic_waves_are_as_exact_in_a_hardened_bar_as_in_a_virgin_one() {
@@ -146,7 +149,6 @@ fn sharp_elastic_waves_are_as_exact_in_a_hardened_bar_as_in_a_virgin_one() {
         let rows = format!("plastic-strain = [[0, {plastic}], [0.7, {plastic}], [1, 0.0001]]");
         vec![(1.0, state(plastic, "").replace(&format!("plastic-strain = {plastic}"), &rows))]
     };
-    type Segments<'a> = &'a dyn Fn(f64) -> Vec<(f64, String)>;
     let cases: [(&str, Segments<'_>, [&str; 2], &str); 5] = [
         ("pulled", &one, [pull, free], "isotropic"),
         ("pulled, kinematic", &one, [pull, free], "kinematic"),

@@ -119,7 +119,7 @@ impl Leapfrog {
     /// The same where the nodes keep their own account.
     fn energies_with(&self, nodes: Energies) -> Energies {
         let mut total = nodes;
-        total.half_step += self.left.in_transit() + self.right.in_transit();
+        total.half_step += self.left.in_transit() + self.right.in_transit() + self.lost_to_fans;
         for block in &self.blocks {
             self.add_material(&mut total, block);
         }

@@ -32,8 +32,8 @@ const AHEAD: usize = 2;
 
 impl Leapfrog {
     /// The same bar, the ends and joints of which start with these fans. For a bar at t = 0 whose laws follow the curves of the fans and take no
-    /// time. Passed over are fans that leave the bar elastic, those above critical, and those of moving ends where viscosity alone keeps the first
-    /// cells from overshooting.
+    /// time. Passed over are fans that leave the bar elastic, those above critical, those of moving ends where viscosity alone keeps the first
+    /// cells from overshooting, and, where something acts along the bar, all but those of moving ends.
     ///
     /// The first rows of the histories of the `ends` are the states just after t = 0. A bar that does not yield `at_once` is elastic then.
     #[must_use]
@@ -92,6 +92,10 @@ impl Leapfrog {
         let (part, c, dt) = (&self.grid.segments[segment], &self.constants[segment], self.grid.dt);
         let wave_speed = c.courant * part.dx / dt;
         let grid = Resolution { dx: part.dx, cells: part.cells.len(), dt, wave_speed };
+        let moves = !matches!(initial_fan.origin, Origin::Joint(_)) && initial_fan.driver == Driver::Velocity;
+        if self.implicit.is_some() && !moves {
+            return None;
+        }
         let mut fan = StartingFan::new(initial_fan, c.cell_mass / c.cell_volume, &grid, RAMP)?;
         fan.only_origin = self.is_viscous(initial_fan);
         (!fan.only_origin || fan.at_joint || fan.driver == Driver::Stress).then_some(fan)
@@ -131,6 +135,12 @@ impl Leapfrog {
             fan.slowed = fan.velocity_behind - end.velocity_of_body();
         }
         let Imposed { mut impulse, mut energy, .. } = self.impose(fan, 0.0);
+        if self.implicit.is_some() {
+            self.share_edges();
+        }
+        if let Some(nodes) = &mut self.implicit {
+            energy = nodes.take_shifted(&self.blocks);
+        }
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
         if fan.driver == Driver::Stress {
             // In the first step it moved as if the bar stayed elastic. It makes up for that, where no viscosity would make a shock of it.

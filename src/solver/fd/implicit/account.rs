@@ -90,12 +90,20 @@ impl Implicit {
     /// Takes over what the grid filter made of the nodes after the latest step, and books what it took: the blocks' own
     /// account knows only the masses of the nodes.
     pub fn take_filtered(&mut self, blocks: &[Block]) {
+        self.shift.clear();
+        self.filtered -= self.take_shifted(blocks);
+    }
+
+    /// Takes over the velocities of the nodes of the blocks, after the latest step. Returns the energy that nodes get by that, J.
+    pub fn take_shifted(&mut self, blocks: &[Block]) -> f64 {
         let changed = |block: &&Block| block.v[..] != self.after[block.cells.start..=block.cells.end];
         if !blocks.iter().any(|block| changed(&block)) {
-            return;
+            return 0.0;
         }
-        // What the damping adds to the velocities before and after the step.
+        // What is added to the velocities before and after the step.
         let mut shift = std::mem::take(&mut self.shift);
+        let earlier = shift.clone();
+        shift.clear();
         shift.resize(self.after.len(), 0.0);
         for block in blocks {
             let here = block.cells.start..=block.cells.end;
@@ -103,20 +111,22 @@ impl Implicit {
                 *shift = v - old;
             }
         }
-        let mut lost = 0.0;
+        let mut got = 0.0;
         for (weights, nodes) in self.weights.nodes() {
             let mass = weights.mass + 0.25 * self.weights.dt * self.weights.dt * weights.spring;
             let of = [&shift, &self.after, &self.change].map(|of| &of[nodes.clone()]);
-            lost += mass * lost_at_nodes(of);
+            got += mass * got_at_nodes(of);
         }
         if self.active.lateral {
             for (weights, cells) in self.weights.cells() {
                 let of = [&shift, &self.after, &self.change].map(|of| &of[cells.start..=cells.end]);
-                lost += weights.lateral * lost_in_cells(of);
+                got += weights.lateral * got_in_cells(of);
             }
         }
-        self.filtered -= 0.5 * lost;
         self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
+        // Dampers acted on what the nodes did before any of this.
+        self.after.iter_mut().zip(&earlier).for_each(|(v, earlier)| *v -= earlier);
+        shift.iter_mut().zip(&earlier).for_each(|(shift, earlier)| *shift += earlier);
         let taken = self.taken(Some(&shift));
         (self.latest.after, self.latest.rubbed[1]) = (taken.after, taken.rubbed[1]);
         // To the last bit what the blocks step with.
@@ -124,6 +134,7 @@ impl Implicit {
             self.after[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
         }
         self.shift = shift;
+        0.5 * got
     }
 
     /// Impulse (N s in +x) that external damping and the foundation gave so far, and the sum of its sizes.
@@ -258,15 +269,15 @@ fn sum_of_places(dt: f64, place: &[f64], w: &[f64]) -> f64 {
     sum([place, w], |[u, w]| u + 0.25 * dt * w)
 }
 
-/// What nodes of mass 2 lose by shifts, from the velocities before the shift and their change in the step.
+/// What nodes of mass 2 get by shifts, from the velocities before the shift and their change in the step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn lost_at_nodes(of: [&[f64]; 3]) -> f64 {
+fn got_at_nodes(of: [&[f64]; 3]) -> f64 {
     sum(of, |[shift, after, change]| shift * (2.0 * after - change + shift))
 }
 
-/// What they lose by that in the motion of neighbours against each other.
+/// What they get by that in the motion of neighbours against each other.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn lost_in_cells([shift, after, change]: [&[f64]; 3]) -> f64 {
+fn got_in_cells([shift, after, change]: [&[f64]; 3]) -> f64 {
     let cells = shift.len() - 1;
     let [[s0, s1], [v0, v1], [w0, w1]] = [shift, after, change].map(|of| [&of[..cells], &of[1..]]);
     sum([s0, s1, v0, v1, w0, w1], |[s0, s1, v0, v1, w0, w1]| {

@@ -88,7 +88,7 @@ pub(super) struct Implicit {
     place: Vec<f64>,
     /// Impulses of friction on the nodes in the latest step, N s in +x; empty without it.
     rubbing: Vec<f64>,
-    /// For the grid filter; empty until the bar yields.
+    /// What the grid filter and fans added to the velocities in the latest step, m/s; empty until the bar yields.
     shift: Vec<f64>,
     active: ActiveForces,
     latest: Taken,

@@ -41,6 +41,8 @@ struct Answer {
     force: f64,
     /// Into the bar, m/s.
     velocity: f64,
+    /// Force and velocity as they are read: the part of the flow that comes before the reading has taken its share of the stress.
+    read: [f64; 2],
     flow: Flow,
     history: History,
     /// The end's relation was met.
@@ -69,8 +71,8 @@ impl End {
     /// The step that begins at `time`: takes what arrives, W, and returns what leaves.
     pub fn advance(&mut self, time: f64, arriving: f64, part: &mut Part) -> f64 {
         let answer = self.answer(time, arriving, part);
-        let reading = self.reading_of(answer.force, answer.velocity);
-        part.account(self.node(part), reading.stress, &answer.flow, answer.history);
+        let half_way = self.reading_of(answer.force, answer.velocity);
+        part.account(self.node(part), half_way.stress, &answer.flow, answer.history);
         let impulse = self.dt * answer.force;
         let push = Push { force: answer.force, velocity: answer.velocity, impulse };
         let held = self.model.energy(self.displacement);
@@ -82,9 +84,10 @@ impl End {
         self.work += if self.model.stores() { given } else { on_face };
         self.impulse += self.face.inward * impulse;
         self.throughput += impulse.abs();
-        (self.last, self.flowed) = (reading, answer.flow.plastic != 0.0);
+        let [force, velocity] = answer.read;
+        (self.last, self.flowed) = (self.reading_of(force, velocity), answer.flow.plastic != 0.0);
         // From sigma + Z u = W - d and sigma - Z u - d.
-        2.0 * reading.stress - arriving
+        2.0 * half_way.stress - arriving
     }
 
     fn node(&self, part: &Part) -> usize {
@@ -118,8 +121,8 @@ impl End {
             let [force, velocity] = ends::at_once(self.model.as_ref(), &self.step(time), &bar);
             return self.reading_of(force, velocity);
         }
-        let after = self.answer(time, arriving, part);
-        let after = self.reading_of(after.force, after.velocity);
+        let [force, velocity] = self.answer(time, arriving, part).read;
+        let after = self.reading_of(force, velocity);
         if self.model.jumps(time, 0.5 * self.dt) {
             return after;
         }
@@ -159,9 +162,9 @@ impl End {
         if part.runs_away(node, load(share), &flow) {
             (flow, history) = part.flow_of_border(node, load(INSIDE));
         }
-        let flowed = Response { force: bar.force + self.face.area * (0.25 * flow.plastic), ..*bar };
-        let [force, velocity] = relation.solve_with(&flowed);
-        Answer { force, velocity, flow, history, met: true }
+        let after = |flowed: f64| relation.solve_with(&Response { force: bar.force + self.face.area * flowed, ..*bar });
+        let [force, velocity] = after(0.25 * flow.plastic);
+        Answer { force, velocity, read: after(0.5 * flow.before), flow, history, met: true }
     }
 
     /// Displacement at the whole step, m, positive in +x.

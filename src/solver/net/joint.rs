@@ -69,10 +69,10 @@ impl Joint {
         let (gap, rate) = (contact.gap(), contact.closing_rate(dt));
         // Free sides flow next to nothing without stress.
         let touches = contact.advance(dt, force_at(rate, &bars), free_rate(&bars));
-        let (passed, force) = couple(left, right, &bars, touches.then_some(rate), dt);
+        let (passed, [force, read]) = couple(left, right, &bars, touches.then_some(rate), dt);
         if touches {
             contact.lose(force, gap);
-            contact.note(dt, force, f64::INFINITY);
+            contact.note(dt, read, f64::INFINITY);
         }
         passed
     }
@@ -98,8 +98,9 @@ fn bar(part: &Part, side: usize) -> Response {
     Response { force: -part.area * part.arriving(side), impedance: part.area * part.impedance }
 }
 
-/// Sides that hold together while their gap grows at `rate` (m/s), or do not touch without one; and the force between them.
-fn couple(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<f64>, dt: f64) -> (Passed, f64) {
+/// Sides that hold together while their gap grows at `rate` (m/s), or do not touch without one; and the force between them, half-way through
+/// their flow, and as it is read.
+fn couple(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<f64>, dt: f64) -> (Passed, [f64; 2]) {
     let force_of = |bars: &[Response; 2]| rate.map_or(0.0, |rate| force_at(rate, bars));
     let held = if rate.is_some() { INSIDE / (bars[0].impedance + bars[1].impedance) } else { 0.0 };
     let nodes = [left.f.len(), 0];
@@ -108,15 +109,16 @@ fn couple(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<
         Side { node: nodes[1], share: held * bars[0].impedance, part: &*right },
     ];
     let [(flow_left, left_history), (flow_right, right_history)] = flow_of_both(&sides, force_of(bars), dt);
-    let flowed = |k: usize, part: &Part, flow: Flow| Response {
-        force: bars[k].force + part.area * (0.25 * flow.plastic),
-        ..bars[k]
+    let after = |flowed: [f64; 2]| {
+        let areas = [left.area, right.area];
+        force_of(&[0, 1].map(|k| Response { force: bars[k].force + areas[k] * flowed[k], ..bars[k] }))
     };
-    let force = force_of(&[flowed(0, left, flow_left), flowed(1, right, flow_right)]);
+    let force = after([0.25 * flow_left.plastic, 0.25 * flow_right.plastic]);
+    let read = after([0.5 * flow_left.before, 0.5 * flow_right.before]);
     left.account(nodes[0], -force / left.area, &flow_left, left_history);
     right.account(nodes[1], -force / right.area, &flow_right, right_history);
     let leaves = |part: &Part, side: usize| -2.0 * force / part.area - part.arriving(side);
-    (Passed { to_left: leaves(left, 1), to_right: leaves(right, 0) }, force)
+    (Passed { to_left: leaves(left, 1), to_right: leaves(right, 0) }, [force, read])
 }
 
 /// Plastic flow of both sides and their histories: each flows under the force that the other's flow leaves at the reading.

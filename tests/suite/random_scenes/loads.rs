@@ -59,10 +59,8 @@ fn loads(scene: &Scene, summary: &Summary) -> Loads {
         }
         for (kind, names) in KINDS.iter().enumerate() {
             let figure = |names: &[&str]| group.figures.iter().find(|figure| names.contains(&figure.name));
-            // What is still growing at the end goes with its time, by a step. Where a wave comes to an end or a joint of a rate-dependent bar, the
-            // net shows in one step half of the elastic stress that flow takes away at once.
-            let late = if scene.effects.rate.is_some() { 0.0 } else { ENDS };
-            let grows = figure(&["time_of_peak"]).is_some_and(|time| time.value > late * scene.solve.until);
+            // What is still growing at the end goes with its time, by a step.
+            let grows = figure(&["time_of_peak"]).is_some_and(|time| time.value > ENDS * scene.solve.until);
             let unresolved = kind == 0 && grows;
             if let Some(load) = figure(names).filter(|_| !unresolved) {
                 let unit = if kind == 2 { scene.solve.until } else { 1.0 };

@@ -70,26 +70,26 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
     let ends = [scene.left.clone(), scene.right.clone()];
     let at_once = scene.effects.rate.is_none();
-    let bar = if let Some(along) = along(&scene.bar, &scene.effects) {
-        let fans = if follows_curves(scene) { sudden_fans::beside_forces(scene, &along) } else { Vec::new() };
-        let sudden = sudden_loads(scene, &fans, &grid, 1.0);
-        let bar = Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along);
-        bar.starting_with(&ends, &fans, at_once).under_sudden_loads(sudden)
-    } else {
-        let (fans, sudden) = if follows_curves(scene) {
-            let fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_LEAPFROG);
-            let sudden = sudden_loads(scene, &fans, &grid, 1.0);
-            (fans, sudden)
-        } else {
-            start_with_rate(scene, &grid)
-        };
-        let bar = Leapfrog::new(&scene.bar, grid, laws, ends.clone()).starting_with(&ends, &fans, at_once);
-        bar.under_sudden_loads(sudden)
-    };
+    let along = along(&scene.bar, &scene.effects).unwrap_or_default();
+    let (fans, sudden) = start(scene, &grid, &along);
+    let bar = Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along);
+    let bar = bar.starting_with(&ends, &fans, at_once).under_sudden_loads(sudden);
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria),
         None => bar,
     }
+}
+
+/// The fans with which leapfrog starts, and the sudden loads that it shows.
+fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialFan>, SuddenLoads) {
+    let fans = match (follows_curves(scene), along.is_nothing()) {
+        (true, true) => sudden_fans(scene, grid, sudden_fans::LATE_IN_LEAPFROG),
+        (true, false) => sudden_fans::beside_forces(scene, along),
+        (false, true) => return start_with_rate(scene, grid),
+        (false, false) => Vec::new(),
+    };
+    let sudden = sudden_loads(scene, &fans, grid, 1.0);
+    (fans, sudden)
 }
 
 /// First loading follows the materials' curves at once.

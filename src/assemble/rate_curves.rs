@@ -38,8 +38,8 @@ pub(super) fn taking_no_time(scene: &Scene, time: f64) -> Scene {
     scene
 }
 
-/// Before this `time` (s) after a load, flow has taken the stress away that it has at first, when the bar of this scene answers it as if it were
-/// elastic, and the state behind it is that of the fan.
+/// Within this `time` (s) after a load, flow relaxes the elastic stress with which the bar of this scene answers it at first: the state behind it is
+/// then that of the fan.
 pub(super) fn has_relaxed(fan: &InitialFan, scene: &Scene, time: f64) -> bool {
     let material = &scene.bar.segments[fan.segment].material;
     let Some(law) = scene.effects.rate.and_then(|rate| Overstress::of(rate, material)) else { return true };
@@ -76,5 +76,6 @@ fn lifted(curve: &Curve, modulus: f64, law: Overstress, time: f64) -> Curve {
     };
     let mut rows: Vec<(f64, f64)> = flowed.iter().map(knot).collect();
     rows.dedup_by(|next, row| next.0 <= row.0 * (1.0 + SAME));
+    // A curve that never yields stays as it is.
     Curve::new(&rows, curve.beyond()).unwrap_or_else(|_| curve.clone())
 }

@@ -81,7 +81,7 @@ pub(super) fn beside_forces(scene: &Scene, along: &DistributedForces) -> Vec<Ini
         let allowed = HARDLY_CHANGED * stress * area / c0;
         let displaced = along.foundation * velocity;
         let times = [allowed / at_once, (allowed / displaced).sqrt()];
-        fan.holds_until = times.into_iter().filter(|time| !time.is_nan()).fold(fan.holds_until, f64::min);
+        fan.holds_until = times.into_iter().fold(fan.holds_until, f64::min);
     }
     fans
 }

@@ -327,6 +327,28 @@ fn with_a_rate_energy_and_spall_break_as_they_should() {
     }
 }
 
+/// A bar that has hardened before breaks to the right of its middle, and its mirror image to the left: both go on alike. What had broken off on
+/// the right answered as if it had flowed.
+#[test]
+fn a_hardened_bar_and_its_mirror_image_break_alike() {
+    let parted = |profile: &str| {
+        let state = format!("{SOFT}\nplastic-strain = 0.005\nvelocity = {profile}");
+        let effects = "rupture = { spall = 100e6 }\nhardening = \"isotropic\"";
+        stepped(&bar(&state, FREE, FREE, effects, "until = 80e-6\nmethod = \"fd\"\ncells = 50\ncfl = 0.626"))
+    };
+    let bars = ["[[0, 0], [0.12, 0], [0.12, 6], [0.2, 6]]", "[[0, -6], [0.08, -6], [0.08, 0], [0.2, 0]]"].map(parted);
+    let [found, mut mirrored] = bars.each_ref().map(|bar| {
+        assert!(!bar.ruptures().is_empty());
+        let mut stress = vec![0.0; bar.grid().cells()];
+        bar.profile(Quantity::Stress, &mut stress);
+        stress
+    });
+    mirrored.reverse();
+    for (cell, (a, b)) in found.iter().zip(&mirrored).enumerate() {
+        assert!((a - b).abs() < 1.0, "cell {cell}: {a} and {b} Pa");
+    }
+}
+
 /// A spall needs five cells at the threshold on a grid; a pulse of four passed without a word.
 #[test]
 fn a_pulse_too_short_for_the_grid_is_reported() {

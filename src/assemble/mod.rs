@@ -84,7 +84,7 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialFan>, SuddenLoads) {
     let fans = match (follows_curves(scene), along.is_nothing()) {
         (true, true) => sudden_fans(scene, grid, sudden_fans::LATE_IN_LEAPFROG),
-        (true, false) => sudden_fans::beside_forces(scene, along),
+        (true, false) => sudden_fans::beside_forces(scene, grid, along),
         (false, true) => return start_with_rate(scene, grid),
         (false, false) => Vec::new(),
     };

@@ -2,8 +2,7 @@
 
 use super::front_tracking;
 use crate::bar::{
-    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, drives_at_start, first_fans, same_section,
-    same_state,
+    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, drives_at_start, same_section, same_state,
 };
 use crate::law::Table;
 use crate::material::Sense;
@@ -65,11 +64,11 @@ const HARDLY_CHANGED: f64 = 0.02;
 
 /// The fans at t = 0 of a bar along which something acts, while that hardly changes them. None with internal damping or lateral inertia: waves that
 /// jump disperse at once there.
-pub(super) fn beside_forces(scene: &Scene, along: &DistributedForces) -> Vec<InitialFan> {
+pub(super) fn beside_forces(scene: &Scene, grid: &Grid, along: &DistributedForces) -> Vec<InitialFan> {
     if along.internal > 0.0 || along.lateral.iter().any(|&lateral| lateral > 0.0) {
         return Vec::new();
     }
-    let mut fans = first_fans(&scene.bar, &scene.left, &scene.right);
+    let mut fans = super::sudden_fans(scene, grid, LATE_IN_LEAPFROG);
     fans.retain(|fan| fan.from == 0.0);
     for fan in &mut fans {
         let segment = &scene.bar.segments[fan.segment];

@@ -35,8 +35,8 @@ pub(super) fn run(paths: &[PathBuf], outputs: &Outputs<'_>) -> Result<()> {
     match outputs.file {
         Some(path) if output::is_csv(path) => destination::write_whole(path, csv(&differences).as_bytes())?,
         Some(path) => {
-            let svg = report::compare_results::figure(&files, &differences, outputs.field)?;
-            plot::save(path, "Results side by side", &svg)?;
+            let figure = report::compare_results::figure(&files, &differences, outputs.field)?;
+            plot::save(path, "Results side by side", &figure)?;
         }
         None => {}
     }

@@ -1,8 +1,8 @@
 //! A framed plot with its axes and its position in a panel.
 
 use super::axis::Axis;
+use super::drawing::{Anchor, Area, BORDER, Drawing, FINE, GRID, Stroke, text_width};
 use super::html::escape;
-use super::svg::{Anchor, Area, BORDER, FINE, GRID, Stroke, Svg, text_width};
 
 /// Text sizes, px.
 pub(super) const TICK: f64 = 12.0;
@@ -30,24 +30,24 @@ impl Frame {
     }
 
     /// Border, ticks and labels; grid lines where asked for.
-    pub fn draw(&self, svg: &mut Svg, grid: bool) {
+    pub fn draw(&self, drawing: &mut Drawing, grid: bool) {
         let (ticks, power) = self.x.labelled((self.plot.width / 62.0).max(2.0) as usize);
         let (grid_line, tick_line) = (Stroke::new(GRID, 1.0), Stroke::new(BORDER, 1.0));
         if grid {
-            self.draw_fine(svg);
+            self.draw_fine(drawing);
         }
         for (tick, label) in ticks {
             let (x, bottom) = (self.place((tick, self.y.low)).0, self.plot.bottom());
             if grid {
-                svg.line((x, self.plot.y), (x, bottom), &grid_line);
+                drawing.line((x, self.plot.y), (x, bottom), &grid_line);
             }
-            svg.line((x, bottom), (x, bottom + 5.0), &tick_line);
-            svg.text((x, bottom + 18.0), TICK, Anchor::Middle, &label);
+            drawing.line((x, bottom), (x, bottom + 5.0), &tick_line);
+            drawing.text((x, bottom + 18.0), TICK, Anchor::Middle, &label);
         }
         let middle = self.plot.x + self.plot.width / 2.0;
-        svg.text((middle, self.plot.bottom() + 38.0), LABEL, Anchor::Middle, &self.x.full_label(power));
-        self.draw_upright_axis(svg, grid.then_some(&grid_line), &tick_line);
-        svg.rect_with(self.plot, "none", Some(&tick_line), &self.attributes());
+        drawing.text((middle, self.plot.bottom() + 38.0), LABEL, Anchor::Middle, &self.x.full_label(power));
+        self.draw_upright_axis(drawing, grid.then_some(&grid_line), &tick_line);
+        drawing.frame(self.plot, &tick_line, self.attributes());
     }
 
     /// What a script needs to tell what the plot's pixels mean.
@@ -65,52 +65,52 @@ impl Frame {
     }
 
     /// The pale lines of logarithmic axes.
-    fn draw_fine(&self, svg: &mut Svg) {
+    fn draw_fine(&self, drawing: &mut Drawing) {
         let fine = Stroke::new(FINE, 0.8);
         for x in self.x.fine() {
             let x = self.place((x, self.y.low)).0;
-            svg.line((x, self.plot.y), (x, self.plot.bottom()), &fine);
+            drawing.line((x, self.plot.y), (x, self.plot.bottom()), &fine);
         }
         for y in self.y.fine() {
             let y = self.place((self.x.low, y)).1;
-            svg.line((self.plot.x, y), (self.plot.right(), y), &fine);
+            drawing.line((self.plot.x, y), (self.plot.right(), y), &fine);
         }
     }
 
-    fn draw_upright_axis(&self, svg: &mut Svg, grid: Option<&Stroke>, tick_line: &Stroke) {
+    fn draw_upright_axis(&self, drawing: &mut Drawing, grid: Option<&Stroke>, tick_line: &Stroke) {
         let mut widest = 0.0_f64;
         let (ticks, power) = self.y.labelled((self.plot.height / 36.0).max(2.0) as usize);
         for (tick, label) in ticks {
             let y = self.place((self.x.low, tick)).1;
             widest = widest.max(text_width(&label, TICK));
             if let Some(grid) = grid {
-                svg.line((self.plot.x, y), (self.plot.right(), y), grid);
+                drawing.line((self.plot.x, y), (self.plot.right(), y), grid);
             }
-            svg.line((self.plot.x - 5.0, y), (self.plot.x, y), tick_line);
-            svg.text((self.plot.x - 8.0, y + 4.0), TICK, Anchor::End, &label);
+            drawing.line((self.plot.x - 5.0, y), (self.plot.x, y), tick_line);
+            drawing.text((self.plot.x - 8.0, y + 4.0), TICK, Anchor::End, &label);
         }
         let middle = self.plot.y + self.plot.height / 2.0;
         // In line with those of other plots, unless the ticks have long labels.
         let room = (LEFT - 14.0).max(widest + 17.0);
-        svg.upright((self.plot.x - room, middle), LABEL, &self.y.full_label(power));
+        drawing.upright((self.plot.x - room, middle), LABEL, &self.y.full_label(power));
     }
 }
 
 impl Frame {
     /// The upright axis on the right side, for a colour bar.
-    pub fn draw_right(&self, svg: &mut Svg) {
+    pub fn draw_right(&self, drawing: &mut Drawing) {
         let stroke = Stroke::new(BORDER, 1.0);
         let mut widest = 0.0_f64;
         let (ticks, power) = self.y.labelled((self.plot.height / 36.0).max(2.0) as usize);
         for (tick, text) in ticks {
             let (x, y) = (self.plot.right(), self.place((self.x.low, tick)).1);
-            svg.line((x, y), (x + 5.0, y), &stroke);
+            drawing.line((x, y), (x + 5.0, y), &stroke);
             widest = widest.max(text_width(&text, TICK));
-            svg.text((x + 8.0, y + 4.0), TICK, Anchor::Start, &text);
+            drawing.text((x + 8.0, y + 4.0), TICK, Anchor::Start, &text);
         }
         let middle = self.plot.y + self.plot.height / 2.0;
-        svg.upright((self.plot.right() + widest + 26.0, middle), LABEL, &self.y.full_label(power));
-        svg.rect(self.plot, "none", Some(&stroke));
+        drawing.upright((self.plot.right() + widest + 26.0, middle), LABEL, &self.y.full_label(power));
+        drawing.rect(self.plot, "none", Some(&stroke));
     }
 }
 
@@ -121,6 +121,6 @@ pub(super) fn plot_area(panel: Area, legend_rows: usize, right: f64) -> Area {
 }
 
 /// Title above the plot.
-pub(super) fn title(svg: &mut Svg, panel: Area, text: &str) {
-    svg.bold((panel.x + LEFT, panel.y + 16.0), TITLE, Anchor::Start, text);
+pub(super) fn title(drawing: &mut Drawing, panel: Area, text: &str) {
+    drawing.bold((panel.x + LEFT, panel.y + 16.0), TITLE, Anchor::Start, text);
 }

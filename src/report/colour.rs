@@ -55,6 +55,28 @@ impl ColourMap {
     }
 }
 
+/// The bytes of `rrggbb` or `rgb`.
+pub(super) fn bytes(colour: &str) -> Option<[u8; 3]> {
+    let number = u32::from_str_radix(colour, 16).ok()?;
+    match colour.len() {
+        3 => Some([8, 4, 0].map(|shift| 17 * (number >> shift & 15) as u8)),
+        6 => Some([16, 8, 0].map(|shift| (number >> shift & 255) as u8)),
+        _ => None,
+    }
+}
+
+/// Red, green and blue of a colour as SVG names it.
+///
+/// # Errors
+/// One sentence: a name that no figure uses.
+pub(super) fn rgb(colour: &str) -> Result<[u8; 3], String> {
+    match colour {
+        "black" => Ok([0; 3]),
+        "white" => Ok([255; 3]),
+        _ => colour.strip_prefix('#').and_then(bytes).ok_or_else(|| format!("`{colour}` is no colour")),
+    }
+}
+
 /// `#rrggbb`.
 pub(super) fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")

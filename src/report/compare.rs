@@ -2,9 +2,9 @@
 
 use super::axes::{Frame, plot_area, title};
 use super::axis::Axis;
+use super::drawing::{Anchor, Area, Drawing, Picture, Stroke, text_width};
 use super::panel::{Series, draw_series};
 use super::plot::{COLOURS, colour};
-use super::svg::{Anchor, Area, Stroke, Svg, text_width};
 use crate::study::compare::Compared;
 
 const MPA: f64 = 1e6;
@@ -34,7 +34,7 @@ struct Line<'a> {
 /// Curves, front speeds and impact velocities against strain, the ultimate points marked, and sorted critical velocities. SVG text.
 ///
 /// Lines differ in colour and dash, and carry the numbers of the bars at their ends.
-pub fn figure(materials: &[Compared]) -> String {
+pub fn figure(materials: &[Compared]) -> Picture {
     let lines = lines(materials);
     let second = HEIGHT.max(70.0 + ROW * lines.len() as f64);
     let width = (WIDTH - 3.0 * MARGIN) / 2.0;
@@ -44,12 +44,12 @@ pub fn figure(materials: &[Compared]) -> String {
         width,
         height: if row == 0 { HEIGHT } else { second },
     };
-    let mut svg = Svg::default();
-    curves(&mut svg, area(0, 0), &lines);
-    speeds(&mut svg, area(1, 0), &lines);
-    velocities(&mut svg, Area { height: HEIGHT, ..area(0, 1) }, &lines);
-    bars(&mut svg, area(1, 1), &lines);
-    svg.document(WIDTH, HEIGHT + second + 3.0 * MARGIN)
+    let mut drawing = Drawing::default();
+    curves(&mut drawing, area(0, 0), &lines);
+    speeds(&mut drawing, area(1, 0), &lines);
+    velocities(&mut drawing, Area { height: HEIGHT, ..area(0, 1) }, &lines);
+    bars(&mut drawing, area(1, 1), &lines);
+    drawing.finish(WIDTH, HEIGHT + second + 3.0 * MARGIN)
 }
 
 /// Materials by critical velocity, the largest first; those without one last.
@@ -66,22 +66,22 @@ fn lines(materials: &[Compared]) -> Vec<Line<'_>> {
 }
 
 /// A framed panel of lines with their numbers at the ends, and marks.
-fn panel(svg: &mut Svg, place: Area, heading: &str, [x, y]: [Axis; 2], series: &[Series], numbers: &[usize]) {
+fn panel(drawing: &mut Drawing, place: Area, heading: &str, [x, y]: [Axis; 2], series: &[Series], numbers: &[usize]) {
     let frame = Frame { plot: plot_area(place, 0, 30.0), x, y };
-    title(svg, place, heading);
-    frame.draw(svg, true);
-    svg.clipped(frame.plot, |svg| series.iter().for_each(|series| draw_series(svg, &frame, series)));
+    title(drawing, place, heading);
+    frame.draw(drawing, true);
+    drawing.clipped(frame.plot, |drawing| series.iter().for_each(|series| draw_series(drawing, &frame, series)));
     let mut taken = Vec::new();
     for (series, number) in series.iter().zip(numbers) {
         let inside = |point: &&(f64, f64)| point.1 >= frame.y.low && point.0.is_finite();
         if let Some(&end) = series.points.iter().rev().find(inside) {
-            label(svg, frame.place(end), &number.to_string(), &series.stroke.colour, &mut taken);
+            label(drawing, frame.place(end), &number.to_string(), &series.stroke.colour, &mut taken);
         }
     }
 }
 
 /// A number beside the end of its line, above or below where others stand already.
-fn label(svg: &mut Svg, (x, y): (f64, f64), text: &str, colour: &str, taken: &mut Vec<Area>) {
+fn label(drawing: &mut Drawing, (x, y): (f64, f64), text: &str, colour: &str, taken: &mut Vec<Area>) {
     let (width, height) = (text_width(text, SMALL), SMALL);
     let overlaps = |a: &Area, b: &Area| a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom();
     let steps = (0..40).map(|k: i32| f64::from(if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 }));
@@ -89,9 +89,9 @@ fn label(svg: &mut Svg, (x, y): (f64, f64), text: &str, colour: &str, taken: &mu
     let free = places.into_iter().find(|area| taken.iter().all(|other| !overlaps(area, other)));
     if let Some(area) = free {
         if (area.y + 0.5 * height - y).abs() > height {
-            svg.line((x, y), (area.x, area.y + 0.5 * height), &Stroke::new(colour, 0.6));
+            drawing.line((x, y), (area.x, area.y + 0.5 * height), &Stroke::new(colour, 0.6));
         }
-        svg.coloured((area.x, area.bottom() - 1.5), SMALL, colour, text);
+        drawing.coloured((area.x, area.bottom() - 1.5), SMALL, colour, text);
         taken.push(area);
     }
 }
@@ -120,7 +120,7 @@ fn numbers(lines: &[Line]) -> Vec<usize> {
 }
 
 /// Curves, thin past the ultimate point.
-fn curves(svg: &mut Svg, place: Area, lines: &[Line]) {
+fn curves(drawing: &mut Drawing, place: Area, lines: &[Line]) {
     let part = |line: &Line, keep: &dyn Fn(f64) -> bool| -> Vec<(f64, f64)> {
         let kept = line.material.curve.iter().filter(|p| keep(p.strain));
         kept.map(|p| (p.strain / PERCENT, p.stress_pa / MPA)).collect()
@@ -137,11 +137,11 @@ fn curves(svg: &mut Svg, place: Area, lines: &[Line]) {
         from_zero(STRAIN, largest(&series, |p| p.0)),
         from_zero("engineering stress (MPa)", largest(&series, |p| p.1)),
     ];
-    panel(svg, place, "(a)  stress-strain curves, ultimate points", axes, &series, &numbers(lines));
+    panel(drawing, place, "(a)  stress-strain curves, ultimate points", axes, &series, &numbers(lines));
 }
 
 /// Speeds of the fronts as a staircase, on a logarithmic scale down to a thousandth of the fastest.
-fn speeds(svg: &mut Svg, place: Area, lines: &[Line]) {
+fn speeds(drawing: &mut Drawing, place: Area, lines: &[Line]) {
     let fastest = lines.iter().map(|line| line.material.elastic_speed_m_s).fold(0.0, f64::max);
     let stairs = |line: &Line| {
         let fronts = line.material.fronts.iter().filter(|front| front.speed > SLOWEST * fastest);
@@ -153,10 +153,10 @@ fn speeds(svg: &mut Svg, place: Area, lines: &[Line]) {
         from_zero(STRAIN, largest(&series, |p| p.0)),
         Axis::logarithmic("front speed (m/s)", SLOWEST * fastest, 1.4 * fastest),
     ];
-    panel(svg, place, "(b)  plastic wave speed", axes, &series, &numbers(lines));
+    panel(drawing, place, "(b)  plastic wave speed", axes, &series, &numbers(lines));
 }
 
-fn velocities(svg: &mut Svg, place: Area, lines: &[Line]) {
+fn velocities(drawing: &mut Drawing, place: Area, lines: &[Line]) {
     let line = |line: &Line| {
         let points = line.material.loading.iter().map(|p| (p.strain / PERCENT, p.impact_velocity_m_s));
         Series::line("", points.collect(), line.stroke.clone())
@@ -165,13 +165,13 @@ fn velocities(svg: &mut Svg, place: Area, lines: &[Line]) {
     series.extend(marks(lines, |m| Some((m.critical.strain_at_max? / PERCENT, m.critical.critical_velocity_m_s?))));
     let axes =
         [from_zero(STRAIN, largest(&series, |p| p.0)), from_zero("impact velocity (m/s)", largest(&series, |p| p.1))];
-    panel(svg, place, "(c)  impact velocity", axes, &series, &numbers(lines));
+    panel(drawing, place, "(c)  impact velocity", axes, &series, &numbers(lines));
 }
 
 /// Number, line, name and critical velocity of every material.
-fn bars(svg: &mut Svg, place: Area, lines: &[Line]) {
+fn bars(drawing: &mut Drawing, place: Area, lines: &[Line]) {
     let heading = "(d)  critical impact velocity (m/s)";
-    svg.bold((place.x + 26.0, place.y + 16.0), 14.5, Anchor::Start, heading);
+    drawing.bold((place.x + 26.0, place.y + 16.0), 14.5, Anchor::Start, heading);
     let widest = lines.iter().map(|line| text_width(&line.material.critical.material, 12.0)).fold(0.0, f64::max);
     let names = place.x + 76.0;
     let start = names + 1.08 * widest + 8.0;
@@ -179,16 +179,16 @@ fn bars(svg: &mut Svg, place: Area, lines: &[Line]) {
     for (row, line) in lines.iter().enumerate() {
         let y = place.y + 34.0 + ROW * row as f64;
         let middle = y + 0.5 * ROW;
-        svg.text((place.x + 36.0, middle + 4.0), 12.0, Anchor::End, &line.number.to_string());
-        svg.line((place.x + 42.0, middle), (place.x + 70.0, middle), &line.stroke);
-        svg.text((names, middle + 4.0), 12.0, Anchor::Start, &line.material.critical.material);
+        drawing.text((place.x + 36.0, middle + 4.0), 12.0, Anchor::End, &line.number.to_string());
+        drawing.line((place.x + 42.0, middle), (place.x + 70.0, middle), &line.stroke);
+        drawing.text((names, middle + 4.0), 12.0, Anchor::Start, &line.material.critical.material);
         let Some(velocity) = line.material.critical.critical_velocity_m_s else {
-            svg.text((start, middle + 4.0), 12.0, Anchor::Start, "none within the data");
+            drawing.text((start, middle + 4.0), 12.0, Anchor::Start, "none within the data");
             continue;
         };
         let width = (place.x + place.width - start - 50.0) * velocity / most;
         let bar = Area { x: start, y: y + 3.0, width, height: ROW - 6.0 };
-        svg.rect(bar, &line.stroke.colour, None);
-        svg.text((bar.right() + 5.0, middle + 4.0), 12.0, Anchor::Start, &format!("{velocity:.2}"));
+        drawing.rect(bar, &line.stroke.colour, None);
+        drawing.text((bar.right() + 5.0, middle + 4.0), 12.0, Anchor::Start, &format!("{velocity:.2}"));
     }
 }

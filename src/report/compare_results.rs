@@ -1,6 +1,7 @@
 //! Figure of a comparison of result files.
 
 use super::display::{Unit, Units, field_name};
+use super::drawing::Picture;
 use super::grid::{Panel, draw, stroke};
 use super::panel::Series;
 use super::view::nearest;
@@ -16,7 +17,7 @@ const GAUGES: usize = 6;
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn figure(files: &[ResultFile], differences: &[Difference], field: Option<Field>) -> Result<String> {
+pub fn figure(files: &[ResultFile], differences: &[Difference], field: Option<Field>) -> Result<Picture> {
     let names: Vec<String> = files.iter().map(name).collect();
     let shown = field.or_else(|| differences.first()?.fields.first().map(|f| f.field));
     let mut panels = Vec::new();

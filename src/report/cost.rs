@@ -1,8 +1,8 @@
 //! Figure of a cost study: error against stepping time, both logarithmic, one line per method.
 
 use super::axis::superscript;
+use super::drawing::{Anchor, Area, BORDER, Drawing, FINE, GRID, Picture, Stroke, shortened, text_width};
 use super::plot::colour;
-use super::svg::{Anchor, Area, BORDER, FINE, GRID, Stroke, Svg, shortened, text_width};
 use crate::study::cost::{Cost, CostPoint, Resolution, TOLERANCES};
 
 const WIDTH: f64 = 760.0;
@@ -41,19 +41,19 @@ struct Frame {
 }
 
 /// Error against stepping time of every point, with the Pareto front and the tolerances. SVG text.
-pub fn figure(cost: &Cost) -> String {
+pub fn figure(cost: &Cost) -> Picture {
     let frame = Frame::of(cost);
-    let mut svg = Svg::default();
+    let mut drawing = Drawing::default();
     let mut taken = Vec::new();
-    title(&mut svg, cost);
-    grid(&mut svg, &frame, cost.measure);
-    tolerances(&mut svg, &frame);
-    uncertainty(&mut svg, &frame, cost, &mut taken);
-    front(&mut svg, &frame, &cost.points);
+    title(&mut drawing, cost);
+    grid(&mut drawing, &frame, cost.measure);
+    tolerances(&mut drawing, &frame);
+    uncertainty(&mut drawing, &frame, cost, &mut taken);
+    front(&mut drawing, &frame, &cost.points);
     let schemes = cost.schemes();
     for (k, (_, points)) in schemes.iter().enumerate() {
         let points: Vec<&CostPoint> = points.iter().map(|p| p.1).collect();
-        line(&mut svg, &frame, &points, k);
+        line(&mut drawing, &frame, &points, k);
         taken.extend(points.iter().map(|p| around(frame.place(p), MARK_SIZE + 1.0)));
         for pair in points.windows(2) {
             taken.extend(along(frame.place(pair[0]), frame.place(pair[1])));
@@ -63,11 +63,11 @@ pub fn figure(cost: &Cost) -> String {
         let ends = [points.first(), points.last()];
         let count = if points.len() > 1 { 2 } else { 1 };
         for (_, point) in ends.into_iter().flatten().take(count) {
-            label(&mut svg, &frame, point, &mut taken);
+            label(&mut drawing, &frame, point, &mut taken);
         }
     }
-    legend(&mut svg, cost, &schemes.iter().map(|s| s.0).collect::<Vec<_>>());
-    svg.document(WIDTH, HEIGHT)
+    legend(&mut drawing, cost, &schemes.iter().map(|s| s.0).collect::<Vec<_>>());
+    drawing.finish(WIDTH, HEIGHT)
 }
 
 impl Frame {
@@ -108,68 +108,73 @@ impl Frame {
     }
 }
 
-fn title(svg: &mut Svg, cost: &Cost) {
-    svg.bold((PLOT.x, 26.0), LARGE, Anchor::Start, &shortened(&cost.scene, 78));
+fn title(drawing: &mut Drawing, cost: &Cost) {
+    drawing.bold((PLOT.x, 26.0), LARGE, Anchor::Start, &shortened(&cost.scene, 78));
     let under = format!("errors against the {}", cost.reference);
-    svg.text((PLOT.x, 44.0), SMALL, Anchor::Start, &shortened(&under, 104));
+    drawing.text((PLOT.x, 44.0), SMALL, Anchor::Start, &shortened(&under, 104));
 }
 
 /// Decades and their labels.
-fn grid(svg: &mut Svg, frame: &Frame, measure: &str) {
+fn grid(drawing: &mut Drawing, frame: &Frame, measure: &str) {
     let (pale, fine, dark) = (Stroke::new(GRID, 0.8), Stroke::new(FINE, 0.6), Stroke::new(BORDER, 1.0));
     let power = |exponent: i32| format!("10{}", superscript(exponent));
     for decade in frame.time[0]..=frame.time[1] {
         for k in 2..10 {
             let x = frame.x(f64::from(k) * 10_f64.powi(decade));
             if x < PLOT.right() {
-                svg.line((x, PLOT.y), (x, PLOT.bottom()), &fine);
+                drawing.line((x, PLOT.y), (x, PLOT.bottom()), &fine);
             }
         }
     }
     for decade in frame.time[0]..=frame.time[1] {
         let x = frame.x(10_f64.powi(decade));
-        svg.line((x, PLOT.y), (x, PLOT.bottom()), &pale);
-        svg.text((x, PLOT.bottom() + 18.0), NORMAL, Anchor::Middle, &power(decade));
+        drawing.line((x, PLOT.y), (x, PLOT.bottom()), &pale);
+        drawing.text((x, PLOT.bottom() + 18.0), NORMAL, Anchor::Middle, &power(decade));
     }
     for decade in frame.error[0]..=frame.error[1] {
         let y = frame.y(10_f64.powi(decade) * (1.0 + 1e-9));
-        svg.line((PLOT.x, y), (PLOT.right(), y), &pale);
-        svg.text((PLOT.x - 8.0, y + 4.5), NORMAL, Anchor::End, &power(decade));
+        drawing.line((PLOT.x, y), (PLOT.right(), y), &pale);
+        drawing.text((PLOT.x - 8.0, y + 4.5), NORMAL, Anchor::End, &power(decade));
     }
     if frame.strip {
-        svg.line((PLOT.x, frame.bottom()), (PLOT.right(), frame.bottom()), &Stroke::new("#888", 0.8).dashed("2 3"));
-        svg.text((PLOT.x - 8.0, PLOT.bottom() - 0.5 * STRIP + 4.0), SMALL, Anchor::End, "below");
+        drawing.line((PLOT.x, frame.bottom()), (PLOT.right(), frame.bottom()), &Stroke::new("#888", 0.8).dashed("2 3"));
+        drawing.text((PLOT.x - 8.0, PLOT.bottom() - 0.5 * STRIP + 4.0), SMALL, Anchor::End, "below");
     }
-    svg.rect(PLOT, "none", Some(&dark));
-    svg.text((PLOT.x + 0.5 * PLOT.width, PLOT.bottom() + 40.0), NORMAL, Anchor::Middle, "stepping time (s), median");
-    svg.upright((24.0, 0.5 * (PLOT.y + PLOT.bottom())), NORMAL, &format!("error: {measure}"));
+    drawing.rect(PLOT, "none", Some(&dark));
+    drawing.text(
+        (PLOT.x + 0.5 * PLOT.width, PLOT.bottom() + 40.0),
+        NORMAL,
+        Anchor::Middle,
+        "stepping time (s), median",
+    );
+    drawing.upright((24.0, 0.5 * (PLOT.y + PLOT.bottom())), NORMAL, &format!("error: {measure}"));
 }
 
 /// The tolerances that are asked after, labelled at the right.
-fn tolerances(svg: &mut Svg, frame: &Frame) {
+fn tolerances(drawing: &mut Drawing, frame: &Frame) {
     for tolerance in TOLERANCES {
         let y = frame.y(tolerance);
-        svg.line((PLOT.x, y), (PLOT.right(), y), &Stroke::new("#999", 1.0).dashed("6 4"));
-        svg.text((PLOT.right() + 8.0, y + 4.5), NORMAL, Anchor::Start, &format!("{} %", 100.0 * tolerance));
+        drawing.line((PLOT.x, y), (PLOT.right(), y), &Stroke::new("#999", 1.0).dashed("6 4"));
+        drawing.text((PLOT.right() + 8.0, y + 4.5), NORMAL, Anchor::Start, &format!("{} %", 100.0 * tolerance));
     }
 }
 
 /// What the reference is uncertain by, where that is on the axis.
-fn uncertainty(svg: &mut Svg, frame: &Frame, cost: &Cost, taken: &mut Vec<Area>) {
+fn uncertainty(drawing: &mut Drawing, frame: &Frame, cost: &Cost, taken: &mut Vec<Area>) {
     if cost.reference_uncertainty < SMALLEST.max(10_f64.powi(frame.error[0])) {
         return;
     }
     let y = frame.y(cost.reference_uncertainty);
-    svg.line((PLOT.x, y), (PLOT.right(), y), &Stroke::new("#b03060", 1.2).dashed("1.5 3"));
+    drawing.line((PLOT.x, y), (PLOT.right(), y), &Stroke::new("#b03060", 1.2).dashed("1.5 3"));
     let text = "uncertainty of the reference";
     let area = Area { x: PLOT.x + 6.0, y: y - 3.0 - SMALL, width: text_width(text, SMALL), height: SMALL + 2.0 };
-    svg.rect(area, "white", None);
-    svg.text((area.x, y - 4.0), SMALL, Anchor::Start, text);
+    drawing.rect(area, "white", None);
+    drawing.text((area.x, y - 4.0), SMALL, Anchor::Start, text);
     taken.push(area);
 }
 
 /// The Pareto front as a broad pale staircase.
-fn front(svg: &mut Svg, frame: &Frame, points: &[CostPoint]) {
+fn front(drawing: &mut Drawing, frame: &Frame, points: &[CostPoint]) {
     let mut best: Vec<&CostPoint> = points.iter().filter(|p| p.pareto).collect();
     best.sort_by(|a, b| a.step_wall_s.total_cmp(&b.step_wall_s));
     let Some(first) = best.first() else { return };
@@ -180,33 +185,33 @@ fn front(svg: &mut Svg, frame: &Frame, points: &[CostPoint]) {
         stairs.push((x, y));
     }
     stairs.push((PLOT.right(), stairs[stairs.len() - 1].1));
-    svg.path(&stairs, &Stroke::new("#ffd37a", 7.0).opacity(0.6));
+    drawing.path(&stairs, &Stroke::new("#ffd37a", 7.0).opacity(0.6));
 }
 
-fn line(svg: &mut Svg, frame: &Frame, points: &[&CostPoint], k: usize) {
+fn line(drawing: &mut Drawing, frame: &Frame, points: &[&CostPoint], k: usize) {
     let places: Vec<(f64, f64)> = points.iter().map(|p| frame.place(p)).collect();
-    svg.path(&places, &Stroke::new(colour(k), 1.8));
+    drawing.path(&places, &Stroke::new(colour(k), 1.8));
     for (point, place) in points.iter().zip(places) {
         // What the reference cannot judge is hollow.
-        mark(svg, place, k, point.below_reference && point.error >= SMALLEST);
+        mark(drawing, place, k, point.below_reference && point.error >= SMALLEST);
     }
 }
 
-fn mark(svg: &mut Svg, (x, y): (f64, f64), k: usize, hollow: bool) {
+fn mark(drawing: &mut Drawing, (x, y): (f64, f64), k: usize, hollow: bool) {
     let stroke = Stroke::new(colour(k), 1.6);
     let s = MARK_SIZE;
     let fill = if hollow { "white" } else { colour(k) };
     match MARKS[k % MARKS.len()] {
-        Mark::Circle => svg.circle((x, y), s, fill, &stroke),
+        Mark::Circle => drawing.circle((x, y), s, fill, &stroke),
         Mark::Square => {
             let area = Area { x: x - 0.9 * s, y: y - 0.9 * s, width: 1.8 * s, height: 1.8 * s };
-            svg.rect(area, fill, Some(&stroke));
+            drawing.rect(area, fill, Some(&stroke));
         }
         Mark::Diamond => {
-            svg.polygon(&[(x, y - 1.3 * s), (x + 1.3 * s, y), (x, y + 1.3 * s), (x - 1.3 * s, y)], fill, &stroke);
+            drawing.polygon(&[(x, y - 1.3 * s), (x + 1.3 * s, y), (x, y + 1.3 * s), (x - 1.3 * s, y)], fill, &stroke);
         }
         Mark::Triangle => {
-            svg.polygon(&[(x, y - 1.2 * s), (x + 1.2 * s, y + 0.9 * s), (x - 1.2 * s, y + 0.9 * s)], fill, &stroke);
+            drawing.polygon(&[(x, y - 1.2 * s), (x + 1.2 * s, y + 0.9 * s), (x - 1.2 * s, y + 0.9 * s)], fill, &stroke);
         }
     }
 }
@@ -229,7 +234,7 @@ fn overlap(a: &Area, b: &Area) -> bool {
 }
 
 /// The resolution beside a point, in the first place around it that is free; nothing where none is.
-fn label(svg: &mut Svg, frame: &Frame, point: &CostPoint, taken: &mut Vec<Area>) {
+fn label(drawing: &mut Drawing, frame: &Frame, point: &CostPoint, taken: &mut Vec<Area>) {
     let text = match point.resolution() {
         _ if point.exact == Some(true) => "all waves tracked".into(),
         Resolution::Cells(cells) => format!("{cells} cells"),
@@ -253,14 +258,14 @@ fn label(svg: &mut Svg, frame: &Frame, point: &CostPoint, taken: &mut Vec<Area>)
         .find(|area| inside(area) && taken.iter().all(|other| !overlap(area, other)));
     if let Some(area) = free {
         // Lines of the background would cross it out.
-        svg.rect(area, "white", None);
-        svg.text((area.x, area.bottom() - 2.5), SMALL, Anchor::Start, &text);
+        drawing.rect(area, "white", None);
+        drawing.text((area.x, area.bottom() - 2.5), SMALL, Anchor::Start, &text);
         taken.push(area);
     }
 }
 
 /// One row below the axis: methods with their orders, and the front.
-fn legend(svg: &mut Svg, cost: &Cost, schemes: &[&str]) {
+fn legend(drawing: &mut Drawing, cost: &Cost, schemes: &[&str]) {
     let (mut x, y) = (PLOT.x, HEIGHT - 22.0);
     for (k, scheme) in schemes.iter().enumerate() {
         let order = cost.order_fits.iter().find(|fit| fit.scheme == *scheme);
@@ -268,13 +273,13 @@ fn legend(svg: &mut Svg, cost: &Cost, schemes: &[&str]) {
             Some(fit) if fit.against == "cells" => format!("{scheme} (order {:.2})", fit.order),
             _ => (*scheme).to_owned(),
         };
-        svg.line((x, y - 4.0), (x + 24.0, y - 4.0), &Stroke::new(colour(k), 1.8));
-        mark(svg, (x + 12.0, y - 4.0), k, false);
-        svg.text((x + 30.0, y), SMALL + 0.5, Anchor::Start, &text);
+        drawing.line((x, y - 4.0), (x + 24.0, y - 4.0), &Stroke::new(colour(k), 1.8));
+        mark(drawing, (x + 12.0, y - 4.0), k, false);
+        drawing.text((x + 30.0, y), SMALL + 0.5, Anchor::Start, &text);
         x += 46.0 + text_width(&text, SMALL + 0.5);
     }
-    svg.line((x, y - 4.0), (x + 24.0, y - 4.0), &Stroke::new("#ffd37a", 7.0).opacity(0.6));
-    svg.text((x + 30.0, y), SMALL + 0.5, Anchor::Start, "Pareto front");
+    drawing.line((x, y - 4.0), (x + 24.0, y - 4.0), &Stroke::new("#ffd37a", 7.0).opacity(0.6));
+    drawing.text((x + 30.0, y), SMALL + 0.5, Anchor::Start, "Pareto front");
 }
 
 #[cfg(test)]
@@ -286,11 +291,11 @@ mod tests {
         let frame = Frame { time: [-4, 0], error: [-4, 0], strip: false };
         let point = CostPoint::plain("fd", Resolution::Cells(100), 0.01, 0.01);
         let mut taken = vec![around(frame.place(&point), 5.0)];
-        let mut svg = Svg::default();
+        let mut drawing = Drawing::default();
         for _ in 0..20 {
-            label(&mut svg, &frame, &point, &mut taken);
+            label(&mut drawing, &frame, &point, &mut taken);
         }
-        let drawn = svg.document(1.0, 1.0).matches("100 cells").count();
+        let drawn = drawing.finish(1.0, 1.0).svg().matches("100 cells").count();
         assert!((2..=7).contains(&drawn), "{drawn}");
         for (i, a) in taken.iter().enumerate() {
             assert!(taken[..i].iter().all(|b| !overlap(a, b)));

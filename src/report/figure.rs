@@ -1,6 +1,7 @@
-//! The figure of a result file: x-t diagram, profiles, histories, energies, front speeds, as one SVG.
+//! The figure of a result file: x-t diagram, profiles, histories, energies, front speeds, as one picture.
 
 use super::display::Units;
+use super::drawing::Picture;
 use super::html::picture;
 use super::layout::{Content, Heading, alone, compose};
 use super::slider::Profiles;
@@ -57,11 +58,11 @@ pub struct Figure {
     pub size: Option<[f64; 2]>,
 }
 
-/// Draws a result file as one SVG. Panels without data are omitted.
+/// Draws a result file as one picture. Panels without data are omitted.
 ///
 /// # Errors
 /// [`InputError`] if the file lacks the field or panel, has no frame or cannot be read, or if the size is too small.
-pub fn draw(file: &ResultFile, figure: &Figure) -> Result<String> {
+pub fn draw(file: &ResultFile, figure: &Figure) -> Result<Picture> {
     let heading = figure.panels.is_empty().then(|| heading(file.metadata()));
     if let Some(impact) = file.impact()? {
         return compose(heading.as_ref(), &impact_contents(file, &impact, figure)?, figure.size);
@@ -92,7 +93,7 @@ pub(super) fn pictures(file: &ResultFile, figure: &Figure, size: [f64; 2]) -> Re
 fn gallery(contents: &[Content], place: usize, profiles: Option<Profiles>, size: [f64; 2]) -> Result<String> {
     let mut figures = Vec::with_capacity(contents.len() + 1);
     for (index, content) in contents.iter().enumerate() {
-        let svg = picture(&content.heading(), &alone(content, size, index)?);
+        let svg = picture(&content.heading(), &alone(content, size, index)?.svg());
         figures.push(format!("<figure>\n{svg}</figure>\n"));
     }
     if let Some(profiles) = profiles {

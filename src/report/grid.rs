@@ -1,9 +1,9 @@
 //! Panels of lines in two columns.
 
 use super::axis::Axis;
+use super::drawing::{Anchor, Area, Drawing, Picture, Stroke};
 use super::panel::{Series, line_panel};
 use super::plot::{COLOURS, colour};
-use super::svg::{Anchor, Area, Stroke, Svg};
 
 /// Width and height of a panel.
 const PANEL: [f64; 2] = [566.0, 380.0];
@@ -25,12 +25,12 @@ pub(super) struct Panel {
 }
 
 /// The panels with a title above them, lettered where there is more than one; zero is on every axis. SVG text.
-pub(super) fn draw(title: &str, panels: &[Panel]) -> String {
-    document(title, [panels.len().min(2), panels.len().div_ceil(2)], |svg| {
+pub(super) fn draw(title: &str, panels: &[Panel]) -> Picture {
+    document(title, [panels.len().min(2), panels.len().div_ceil(2)], |drawing| {
         for (k, Panel { heading, axes: [x, y], series }) in panels.iter().enumerate() {
             let letter = char::from(b'a' + (k % 26) as u8);
             let heading = if panels.len() > 1 { format!("({letter})  {heading}") } else { heading.clone() };
-            panel(svg, area(k % 2, k / 2), &heading, [x, y], series);
+            panel(drawing, area(k % 2, k / 2), &heading, [x, y], series);
         }
     })
 }
@@ -43,18 +43,18 @@ pub(super) fn area(column: usize, row: usize) -> Area {
 }
 
 /// A figure of so many columns and rows of panels under a title.
-pub(super) fn document(title: &str, [columns, rows]: [usize; 2], draw: impl FnOnce(&mut Svg)) -> String {
-    let mut svg = Svg::default();
-    svg.bold((MARGIN, 26.0), 18.0, Anchor::Start, title);
-    draw(&mut svg);
+pub(super) fn document(title: &str, [columns, rows]: [usize; 2], draw: impl FnOnce(&mut Drawing)) -> Picture {
+    let mut drawing = Drawing::default();
+    drawing.bold((MARGIN, 26.0), 18.0, Anchor::Start, title);
+    draw(&mut drawing);
     let beyond = area(columns, rows);
-    svg.document(beyond.x, beyond.y)
+    drawing.finish(beyond.x, beyond.y)
 }
 
 /// A panel whose axes reach from zero to all points.
-pub(super) fn panel(svg: &mut Svg, place: Area, heading: &str, [x, y]: [&str; 2], series: &[Series]) {
+pub(super) fn panel(drawing: &mut Drawing, place: Area, heading: &str, [x, y]: [&str; 2], series: &[Series]) {
     let all = || series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
     let x = Axis::around(x, all().map(|p| p.0).chain([0.0]));
     let y = Axis::around(y, all().map(|p| p.1).chain([0.0]));
-    line_panel(svg, place, heading, x, y, series);
+    line_panel(drawing, place, heading, x, y, series);
 }

@@ -2,9 +2,9 @@
 
 use super::axis::Axis;
 use super::display::{Unit, field_name};
+use super::drawing::{INK, Stroke};
 use super::panel::{LinePanel, Series};
 use super::plot::colour;
-use super::svg::{INK, Stroke};
 use super::view::{View, nearest};
 use crate::error::Result;
 use crate::record::store::Side;

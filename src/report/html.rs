@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use super::colour::bytes;
+
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
@@ -84,16 +86,6 @@ fn dark_rules(drawings: &str) -> String {
     rules + "}\n"
 }
 
-/// The bytes of `rrggbb` or `rgb`.
-fn bytes(colour: &str) -> Option<[u8; 3]> {
-    let number = u32::from_str_radix(colour, 16).ok()?;
-    match colour.len() {
-        3 => Some([8, 4, 0].map(|shift| 17 * (number >> shift & 15) as u8)),
-        6 => Some([16, 8, 0].map(|shift| (number >> shift & 255) as u8)),
-        _ => None,
-    }
-}
-
 /// The colour mixed with as little white as makes it readable on dark paper.
 fn lightened(colour: [u8; 3]) -> [u8; 3] {
     /// Least contrast of text (WCAG 2.2, 1.4.3).
@@ -115,7 +107,7 @@ fn luminance(colour: [u8; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::svg::{FINE, GRID, INK, PAPER};
+    use super::super::drawing::{FINE, GRID, INK, PAPER};
     use super::*;
 
     #[test]

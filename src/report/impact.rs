@@ -3,10 +3,10 @@
 use super::axis::Axis;
 use super::colour::{ColourMap, hex};
 use super::display::{Unit, Units};
+use super::drawing::Stroke;
 use super::layout::Content;
 use super::panel::{LinePanel, Series};
 use super::plot::colour;
-use super::svg::Stroke;
 use crate::error::{InputError, Result};
 use crate::record::store::{ResultFile, StoredColumn, StoredImpact, StoredTable};
 

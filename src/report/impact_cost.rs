@@ -1,19 +1,19 @@
 //! Figure of a cost study of an impact: error against modes and against steps, all logarithmic.
 
 use super::axis::Axis;
+use super::drawing::{Anchor, Area, Drawing, Picture, Stroke};
 use super::panel::{Series, line_panel};
 use super::plot::colour;
-use super::svg::{Anchor, Area, Stroke, Svg};
 use crate::study::impact_cost::{ImpactCost, ImpactPoint};
 
 const WIDTH: f64 = 520.0;
 const HEIGHT: f64 = 380.0;
 
 /// One panel for what was varied. SVG text.
-pub fn figure(cost: &ImpactCost) -> String {
-    let mut svg = Svg::default();
-    svg.bold((18.0, 28.0), 19.0, Anchor::Start, &cost.scene);
-    svg.text((18.0, 50.0), 13.0, Anchor::Start, &format!("error against {}", cost.reference));
+pub fn figure(cost: &ImpactCost) -> Picture {
+    let mut drawing = Drawing::default();
+    drawing.bold((18.0, 28.0), 19.0, Anchor::Start, &cost.scene);
+    drawing.text((18.0, 50.0), 13.0, Anchor::Start, &format!("error against {}", cost.reference));
     let mut x = 18.0;
     for (i, varied) in ["modes", "steps"].into_iter().enumerate() {
         let own: Vec<&ImpactPoint> = cost.points.iter().filter(|p| p.varied == varied && p.error > 0.0).collect();
@@ -32,8 +32,8 @@ pub fn figure(cost: &ImpactCost) -> String {
             Series::marks("", points, Stroke::new(colour(i), 1.6)),
         ];
         let panel = Area { x, y: 64.0, width: WIDTH, height: HEIGHT };
-        line_panel(&mut svg, panel, &format!("error against {varied}"), across, up, &series);
+        line_panel(&mut drawing, panel, &format!("error against {varied}"), across, up, &series);
         x += WIDTH + 22.0;
     }
-    svg.document(x, HEIGHT + 82.0)
+    drawing.finish(x, HEIGHT + 82.0)
 }

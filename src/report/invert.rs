@@ -1,10 +1,10 @@
 //! Figures of inverted curves.
 
 use super::axis::Axis;
+use super::drawing::{Picture, Stroke};
 use super::grid::{area, document, panel};
 use super::panel::Series;
 use super::plot::colour;
-use super::svg::Stroke;
 use crate::material::Curve;
 use crate::study::invert::hopkinson::{Knot, Moment, Reduced};
 use crate::study::invert::{Interval, WavePoint};
@@ -46,47 +46,53 @@ fn simulated(given: Option<&Curve>, last: f64) -> Option<Series> {
 }
 
 /// Stress, wave speed and impact velocity against strain, with their intervals. SVG text.
-pub fn waves(title: &str, points: &[WavePoint], given: Option<&Curve>) -> String {
+pub fn waves(title: &str, points: &[WavePoint], given: Option<&Curve>) -> Picture {
     const STRAIN: &str = "engineering strain (%)";
     let last = points.last().map_or(0.0, |p| p.strain);
     let mut stress = banded("inverted", points, |p| p.stress_pa, MPA);
     stress.extend(simulated(given, last));
     let start = Axis::around(STRAIN, [0.0, PERCENT * last].into_iter()).label;
-    document(title, [2, 2], |svg| {
-        panel(svg, area(0, 0), "(a)  stress", [&start, "engineering stress (MPa)"], &stress);
+    document(title, [2, 2], |drawing| {
+        panel(drawing, area(0, 0), "(a)  stress", [&start, "engineering stress (MPa)"], &stress);
         let speed = banded("inverted", points, |p| p.wave_speed_m_s, 1.0);
-        panel(svg, area(1, 0), "(b)  wave speed", [STRAIN, "wave speed (m/s)"], &speed);
+        panel(drawing, area(1, 0), "(b)  wave speed", [STRAIN, "wave speed (m/s)"], &speed);
         let velocity = banded("inverted", points, |p| p.velocity_m_s, 1.0);
-        panel(svg, area(0, 1), "(c)  impact velocity", [STRAIN, "impact velocity (m/s)"], &velocity);
+        panel(drawing, area(0, 1), "(c)  impact velocity", [STRAIN, "impact velocity (m/s)"], &velocity);
         let half = |p: &WavePoint| (PERCENT * p.strain, 100.0 * p.stress_pa.half_width() / p.stress_pa.value);
         let relative = vec![Series::line("", points.iter().map(half).collect(), solid(0))];
-        panel(svg, area(1, 1), "(d)  uncertainty", [STRAIN, "half 95 % interval of stress (%)"], &relative);
+        panel(drawing, area(1, 1), "(d)  uncertainty", [STRAIN, "half 95 % interval of stress (%)"], &relative);
     })
 }
 
 /// Pulses, stresses, strain rates and the curve of a split-Hopkinson test. SVG text.
-pub fn hopkinson(title: &str, reduced: &Reduced, given: Option<&Curve>) -> String {
+pub fn hopkinson(title: &str, reduced: &Reduced, given: Option<&Curve>) -> Picture {
     const TIME: &str = "time since the pulse reached the specimen (\u{b5}s)";
     let history = |name: &str, i: usize, unit: f64, of: fn(&Moment) -> f64| {
         Series::line(name, reduced.moments.iter().map(|m| (US * m.time_s, unit * of(m))).collect(), solid(i))
     };
-    document(title, [2, 2], |svg| {
+    document(title, [2, 2], |drawing| {
         let pulses = [
             history("incident", 0, 1e3, |m| m.incident),
             history("reflected", 1, 1e3, |m| m.reflected),
             history("transmitted", 2, 1e3, |m| m.transmitted),
         ];
-        panel(svg, area(0, 0), "(a)  pulses at the specimen", [TIME, "strain of the bars (10\u{207b}\u{b3})"], &pulses);
+        panel(
+            drawing,
+            area(0, 0),
+            "(a)  pulses at the specimen",
+            [TIME, "strain of the bars (10\u{207b}\u{b3})"],
+            &pulses,
+        );
         let forces = [
             history("face at the incident bar", 0, MPA, |m| m.stress_incident_face),
             history("face at the transmission bar (one wave)", 2, MPA, |m| m.stress_one_wave),
             history("mean (three waves)", 6, MPA, |m| m.stress),
         ];
-        panel(svg, area(1, 0), "(b)  stress of the specimen", [TIME, "engineering stress (MPa)"], &forces);
+        panel(drawing, area(1, 0), "(b)  stress of the specimen", [TIME, "engineering stress (MPa)"], &forces);
         let rates = [history("three waves", 6, 1.0, |m| m.rate), history("one wave", 2, 1.0, |m| m.rate_one_wave)];
-        panel(svg, area(0, 1), "(c)  strain rate", [TIME, "strain rate (1/s)"], &rates);
+        panel(drawing, area(0, 1), "(c)  strain rate", [TIME, "strain rate (1/s)"], &rates);
         panel(
-            svg,
+            drawing,
             area(1, 1),
             "(d)  curve",
             ["engineering strain (%)", "engineering stress (MPa)"],

@@ -1,8 +1,8 @@
 //! Layout of panels in one figure.
 
+use super::drawing::{Anchor, Area, Drawing, Picture, shortened};
 use super::map;
 use super::panel::LinePanel;
-use super::svg::{Anchor, Area, Svg, shortened};
 use super::view::View;
 use crate::error::{InputError, Result};
 
@@ -34,12 +34,12 @@ impl Content<'_> {
         }
     }
 
-    fn draw(&self, svg: &mut Svg, area: Area, letter: Option<char>) -> Result<()> {
+    fn draw(&self, drawing: &mut Drawing, area: Area, letter: Option<char>) -> Result<()> {
         let heading = letter.map_or_else(|| self.heading(), |letter| format!("({letter})  {}", self.heading()));
         match self {
-            Self::Map(view) => map::draw(svg, area, view, &heading),
+            Self::Map(view) => map::draw(drawing, area, view, &heading),
             Self::Lines(panel) => {
-                LinePanel { heading, ..panel.clone() }.draw(svg, area);
+                LinePanel { heading, ..panel.clone() }.draw(drawing, area);
                 Ok(())
             }
         }
@@ -53,7 +53,7 @@ pub(super) struct Heading {
 }
 
 /// All panels, lettered where there is more than one, two in a row where the figure is wide enough; `size` is that of the whole figure, px.
-pub(super) fn compose(heading: Option<&Heading>, contents: &[Content], size: Option<[f64; 2]>) -> Result<String> {
+pub(super) fn compose(heading: Option<&Heading>, contents: &[Content], size: Option<[f64; 2]>) -> Result<Picture> {
     let header = if heading.is_some() { HEADER } else { MARGIN };
     let count = contents.len();
     let width = size.map_or(if count == 1 { ALONE } else { WIDTH }, |size| size[0]);
@@ -72,9 +72,9 @@ pub(super) fn compose(heading: Option<&Heading>, contents: &[Content], size: Opt
     {
         return Err(too_small([width, height], [wide, lowest], count).into());
     }
-    let mut svg = Svg::default();
+    let mut drawing = Drawing::default();
     if let Some(heading) = heading {
-        draw_heading(&mut svg, heading, width);
+        draw_heading(&mut drawing, heading, width);
     }
     let mut y = header;
     let mut letters = ('a'..='z').cycle();
@@ -82,24 +82,24 @@ pub(super) fn compose(heading: Option<&Heading>, contents: &[Content], size: Opt
         let height = room * usual / total;
         for (column, content) in row.iter().enumerate() {
             let area = Area { x: MARGIN + (wide + GAP) * column as f64, y, width: wide, height };
-            content.draw(&mut svg, area, letters.next().filter(|_| count > 1))?;
+            content.draw(&mut drawing, area, letters.next().filter(|_| count > 1))?;
         }
         y += height + GAP;
     }
-    Ok(svg.document(width, y - GAP + MARGIN))
+    Ok(drawing.finish(width, y - GAP + MARGIN))
 }
 
-/// One panel alone, without margins; `index` keeps the names inside its SVG apart from those of others on one page.
-pub(super) fn alone(content: &Content, [width, height]: [f64; 2], index: usize) -> Result<String> {
-    let mut svg = Svg::of_page(index);
-    content.draw(&mut svg, Area { x: 0.0, y: 0.0, width, height }, None)?;
-    Ok(svg.document(width, height))
+/// One panel alone, without margins; `index` is its number among those of one page.
+pub(super) fn alone(content: &Content, [width, height]: [f64; 2], index: usize) -> Result<Picture> {
+    let mut drawing = Drawing::of_page(index);
+    content.draw(&mut drawing, Area { x: 0.0, y: 0.0, width, height }, None)?;
+    Ok(drawing.finish(width, height))
 }
 
-fn draw_heading(svg: &mut Svg, heading: &Heading, width: f64) {
+fn draw_heading(drawing: &mut Drawing, heading: &Heading, width: f64) {
     let fitting = |size: f64| ((width - 2.0 * MARGIN) / (0.6 * size)) as usize;
-    svg.bold((MARGIN, 28.0), 19.0, Anchor::Start, &shortened(&heading.title, fitting(19.0)));
-    svg.text((MARGIN, 50.0), 13.0, Anchor::Start, &shortened(&heading.about, fitting(13.0)));
+    drawing.bold((MARGIN, 28.0), 19.0, Anchor::Start, &shortened(&heading.title, fitting(19.0)));
+    drawing.text((MARGIN, 50.0), 13.0, Anchor::Start, &shortened(&heading.about, fitting(13.0)));
 }
 
 fn too_small([width, height]: [f64; 2], [wide, high]: [f64; 2], count: usize) -> InputError {

@@ -1,9 +1,9 @@
 //! Figures of line panels in two columns.
 
+use super::drawing::{Picture, Stroke};
 use super::grid;
 use super::panel::Series;
 use super::plot::colour;
-use super::svg::Stroke;
 
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,8 +42,8 @@ pub struct Panel {
     pub lines: Vec<Line>,
 }
 
-/// Panels two in a row, lettered (a), (b), ... where there is more than one, as SVG text.
-pub fn figure(title: &str, panels: &[Panel]) -> String {
+/// Panels two in a row, lettered (a), (b), ... where there is more than one.
+pub fn figure(title: &str, panels: &[Panel]) -> Picture {
     let drawn = |panel: &Panel| grid::Panel {
         heading: panel.title.clone(),
         axes: panel.labels.clone(),

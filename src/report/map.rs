@@ -1,13 +1,13 @@
 //! The x-t diagram: a field as colours over the bar and time, an embedded image with fronts and gauges on top.
 
-use resvg::tiny_skia::{Pixmap, PremultipliedColorU8};
+use tiny_skia::{Pixmap, PremultipliedColorU8};
 
 use super::axes::{self, Frame};
 use super::axis::Axis;
 use super::colour::{Range, hex};
 use super::display::{field_name, four_digits};
+use super::drawing::{Anchor, Area, Drawing, INK, PAPER, RUPTURE, Stroke, text_width};
 use super::panel::{Series, draw_legend, draw_series, legend_rows};
-use super::svg::{Anchor, Area, INK, PAPER, RUPTURE, Stroke, Svg, text_width};
 use super::view::{View, nearest};
 use crate::error::{Error, Result};
 use crate::record::store::Gauge;
@@ -23,10 +23,10 @@ pub(super) fn heading(view: &View) -> String {
 }
 
 /// Draws the diagram: x to the right, time upwards.
-pub(super) fn draw(svg: &mut Svg, panel: Area, view: &View, heading: &str) -> Result<()> {
+pub(super) fn draw(drawing: &mut Drawing, panel: Area, view: &View, heading: &str) -> Result<()> {
     let (time, length) = (view.time_unit(), view.length_unit());
     let gauges = view.file.gauges()?;
-    axes::title(svg, panel, heading);
+    axes::title(drawing, panel, heading);
     let frame = Frame {
         // A row for the legend, and one for the names of the gauges.
         plot: axes::plot_area(panel, 1 + usize::from(!gauges.is_empty()), BAR_ROOM),
@@ -34,16 +34,16 @@ pub(super) fn draw(svg: &mut Svg, panel: Area, view: &View, heading: &str) -> Re
         y: Axis::new(time.label("time"), 0.0, view.end_time * time.factor),
     };
     let (picture, range, extremes) = picture(&frame, view)?;
-    svg.image(frame.plot, &picture);
-    let entries = svg.group("on-map", |svg| -> Result<_> {
-        let mut entries = draw_lines(svg, &frame, view)?;
-        draw_gauges(svg, &frame, view, gauges);
-        entries.extend(draw_ruptures(svg, &frame, view));
+    drawing.image(frame.plot, picture);
+    let entries = drawing.group("on-map", |drawing| -> Result<_> {
+        let mut entries = draw_lines(drawing, &frame, view)?;
+        draw_gauges(drawing, &frame, view, gauges);
+        entries.extend(draw_ruptures(drawing, &frame, view));
         Ok(entries)
     })?;
-    frame.draw(svg, false);
-    draw_legend(svg, panel, &legend_rows(&entries, panel.width));
-    colour_bar(svg, &frame, &range, extremes, &view.field_unit().label(field_name(view.field)));
+    frame.draw(drawing, false);
+    draw_legend(drawing, panel, &legend_rows(&entries, panel.width));
+    colour_bar(drawing, &frame, &range, extremes, &view.field_unit().label(field_name(view.field)));
     Ok(())
 }
 
@@ -111,13 +111,13 @@ impl Extremes {
 }
 
 /// The fronts themselves where the file has them, otherwise lines at the speeds of theory.
-fn draw_lines(svg: &mut Svg, frame: &Frame, view: &View) -> Result<Vec<Series>> {
+fn draw_lines(drawing: &mut Drawing, frame: &Frame, view: &View) -> Result<Vec<Series>> {
     let paths = view.file.paths()?;
     if !paths.is_empty() {
-        let name = if draw_paths(svg, frame, view, &paths) { "fronts, by strength" } else { "strongest fronts" };
+        let name = if draw_paths(drawing, frame, view, &paths) { "fronts, by strength" } else { "strongest fronts" };
         return Ok(vec![Series::line(name, Vec::new(), Stroke::new("black", 1.4))]);
     }
-    let drawn = draw_fronts(svg, frame, view, &view.file.fronts()?);
+    let drawn = draw_fronts(drawing, frame, view, &view.file.fronts()?);
     let stroke = Stroke::new("black", 1.2).dashed("6 3");
     Ok(drawn.then(|| Series::line("front speeds, theory", Vec::new(), stroke)).into_iter().collect())
 }
@@ -132,7 +132,7 @@ const SHORTEST: f64 = 0.4;
 
 /// Draws the strongest and longest of the fronts' straight pieces, thicker and darker the larger the jump in stress; true where all
 /// that could be seen are drawn.
-fn draw_paths(svg: &mut Svg, frame: &Frame, view: &View, paths: &[PathRow]) -> bool {
+fn draw_paths(drawing: &mut Drawing, frame: &Frame, view: &View, paths: &[PathRow]) -> bool {
     let (time, length) = (view.time_unit().factor, view.length_unit().factor);
     let ends = |p: &PathRow| [(p.x0, p.t0), (p.x1, p.t1)].map(|(x, t)| frame.place((x * length, t * time)));
     let size = |[a, b]: [(f64, f64); 2]| (a.0 - b.0).hypot(a.1 - b.1);
@@ -148,13 +148,13 @@ fn draw_paths(svg: &mut Svg, frame: &Frame, view: &View, paths: &[PathRow]) -> b
     visible.sort_by(|a, b| b.0.total_cmp(&a.0));
     let strongest = visible.first().map_or(1.0, |p| p.0);
     let weight = |jump: f64| ((strongest / jump).ln() / WEAKER.ln()).min(WEIGHTS as f64 - 1.0) as usize;
-    svg.clipped(frame.plot, |svg| {
+    drawing.clipped(frame.plot, |drawing| {
         // The weak ones first: the strong ones lie on top.
         for class in visible.chunk_by(|a, b| weight(a.0) == weight(b.0)).rev() {
             let strength = 1.0 - weight(class[0].0) as f64 / WEIGHTS as f64;
             let points: Vec<(f64, f64)> = class.iter().flat_map(|(_, [a, b])| [*a, *b, (f64::NAN, f64::NAN)]).collect();
-            svg.path(&points, &Stroke::new("white", 0.6 + 2.0 * strength).opacity(0.35 * strength));
-            svg.path(&points, &Stroke::new("black", 0.25 + 1.25 * strength).opacity(0.12 + 0.88 * strength));
+            drawing.path(&points, &Stroke::new("white", 0.6 + 2.0 * strength).opacity(0.35 * strength));
+            drawing.path(&points, &Stroke::new("black", 0.25 + 1.25 * strength).opacity(0.12 + 0.88 * strength));
         }
     });
     all
@@ -167,10 +167,10 @@ const APART: f64 = 22.0;
 const OPEN: f64 = 9.0;
 
 /// Draws the fronts; true where there was one.
-fn draw_fronts(svg: &mut Svg, frame: &Frame, view: &View, fronts: &[FrontRow]) -> bool {
+fn draw_fronts(drawing: &mut Drawing, frame: &Frame, view: &View, fronts: &[FrontRow]) -> bool {
     let (time, length) = (view.time_unit().factor, view.length_unit().factor);
     let mut last: Option<[(f64, f64); 2]> = None;
-    svg.clipped(frame.plot, |svg| {
+    drawing.clipped(frame.plot, |drawing| {
         for front in fronts.iter().filter(|f| f.last_seen.is_finite() && f.speed != 0.0) {
             let start = match front.origin.as_str() {
                 "left" => 0.0,
@@ -187,44 +187,44 @@ fn draw_fronts(svg: &mut Svg, frame: &Frame, view: &View, fronts: &[FrontRow]) -
             let hidden = if last.is_some_and(|[start, _]| start == from) { OPEN / apart } else { 0.0 };
             last = Some([from, to]);
             let from = (from.0 + hidden * (to.0 - from.0), from.1 + hidden * (to.1 - from.1));
-            svg.line(from, to, &Stroke::new("white", 2.4).opacity(0.7));
-            svg.line(from, to, &Stroke::new("black", 1.2).dashed("6 3"));
+            drawing.line(from, to, &Stroke::new("white", 2.4).opacity(0.7));
+            drawing.line(from, to, &Stroke::new("black", 1.2).dashed("6 3"));
         }
     });
     last.is_some()
 }
 
-fn draw_gauges(svg: &mut Svg, frame: &Frame, view: &View, mut gauges: Vec<Gauge>) {
+fn draw_gauges(drawing: &mut Drawing, frame: &Frame, view: &View, mut gauges: Vec<Gauge>) {
     let mut free_from = f64::NEG_INFINITY;
     gauges.sort_by(|a, b| a.x.total_cmp(&b.x));
     for gauge in &gauges {
         let x = frame.place((gauge.x * view.length_unit().factor, 0.0)).0;
-        svg.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("white", 2.4).opacity(0.7));
-        svg.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("#333", 1.2).dashed("1.5 3"));
+        drawing.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("white", 2.4).opacity(0.7));
+        drawing.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("#333", 1.2).dashed("1.5 3"));
         // A name that would run into the one before it is left out; the histories name every gauge.
         let half = text_width(&gauge.name, 11.0) / 2.0;
         if x - half > free_from {
-            svg.text((x, frame.plot.y - 6.0), 11.0, Anchor::Middle, &gauge.name);
+            drawing.text((x, frame.plot.y - 6.0), 11.0, Anchor::Middle, &gauge.name);
             free_from = x + half + 6.0;
         }
     }
 }
 
 /// Where the bar broke, and the crack from then on.
-fn draw_ruptures(svg: &mut Svg, frame: &Frame, view: &View) -> Option<Series> {
+fn draw_ruptures(drawing: &mut Drawing, frame: &Frame, view: &View) -> Option<Series> {
     let (time, length) = (view.time_unit().factor, view.length_unit().factor);
     let points: Vec<(f64, f64)> = view.ruptures.iter().map(|r| (r.x * length, r.time * time)).collect();
     for &(x, t) in points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {
         let (from, to) = (frame.place((x, t)), frame.place((x, frame.y.high)));
-        svg.line(from, to, &Stroke::new(PAPER, 2.6));
-        svg.line(from, to, &Stroke::new(RUPTURE, 1.3).dashed("4 3"));
+        drawing.line(from, to, &Stroke::new(PAPER, 2.6));
+        drawing.line(from, to, &Stroke::new(RUPTURE, 1.3).dashed("4 3"));
     }
     let marks = Series::marks("rupture", points, Stroke::new(RUPTURE, 2.0));
-    draw_series(svg, frame, &marks);
+    draw_series(drawing, frame, &marks);
     (!marks.points.is_empty()).then_some(marks)
 }
 
-fn colour_bar(svg: &mut Svg, frame: &Frame, range: &Range, extremes: Extremes, label: &str) {
+fn colour_bar(drawing: &mut Drawing, frame: &Frame, range: &Range, extremes: Extremes, label: &str) {
     const STEPS: usize = 128;
     let bar = Area { x: frame.plot.right() + 14.0, width: 16.0, ..frame.plot };
     let step = bar.height / STEPS as f64;
@@ -232,22 +232,22 @@ fn colour_bar(svg: &mut Svg, frame: &Frame, range: &Range, extremes: Extremes, l
         let value = range.low + (range.high - range.low) * (i as f64 + 0.5) / STEPS as f64;
         // A little overlap, or renderers leave hairlines between the steps.
         let area = Area { y: bar.bottom() - step * (i + 1) as f64, height: step + 0.6, ..bar };
-        svg.rect(area, &hex(range.colour(value)), None);
+        drawing.rect(area, &hex(range.colour(value)), None);
     }
     let scale = Frame { plot: bar, x: Axis::new("", 0.0, 1.0), y: Axis::new(label, range.low, range.high) };
-    scale.draw_right(svg);
-    draw_cut(svg, bar, extremes);
+    scale.draw_right(drawing);
+    draw_cut(drawing, bar, extremes);
 }
 
 /// What the colours leave out, in words at the ends of the colour bar.
-fn draw_cut(svg: &mut Svg, bar: Area, Extremes { all, shown }: Extremes) {
+fn draw_cut(drawing: &mut Drawing, bar: Area, Extremes { all, shown }: Extremes) {
     let (middle, ink) = (bar.x + 0.5 * bar.width, Stroke::new(INK, 0.8));
     let ends = [(1, bar.y, -1.0, "up to"), (0, bar.bottom(), 1.0, "down to")];
     for (end, edge, outward, words) in ends.into_iter().filter(|&(end, ..)| all[end] != shown[end]) {
         let tip = [(bar.x, edge), (bar.right(), edge), (middle, edge + 8.0 * outward)];
-        svg.polygon(&tip, PAPER, &ink);
+        drawing.polygon(&tip, PAPER, &ink);
         let y = edge + if outward < 0.0 { -10.0 } else { 18.0 };
-        svg.text((bar.x, y), 11.0, Anchor::Start, &format!("{words} {}", four_digits(all[end])));
+        drawing.text((bar.x, y), 11.0, Anchor::Start, &format!("{words} {}", four_digits(all[end])));
     }
 }
 

@@ -2,11 +2,13 @@
 
 mod axes;
 mod axis;
+mod canvas;
 mod colour;
 pub mod compare;
 pub mod compare_results;
 pub mod cost;
 mod display;
+mod drawing;
 mod figure;
 mod grid;
 mod histories;
@@ -21,6 +23,7 @@ mod page;
 mod panel;
 mod pdf;
 pub mod plot;
+mod png;
 mod profiles;
 mod slider;
 mod svg;
@@ -31,5 +34,6 @@ mod theory;
 mod view;
 
 pub use display::Units;
+pub use drawing::Picture;
 pub use figure::{Figure, PanelName, draw};
 pub use page::page;

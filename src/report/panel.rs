@@ -3,7 +3,7 @@
 use super::axes::{Frame, LEFT, LEGEND_ROW, TICK, TOP, plot_area, title};
 use super::axis::Axis;
 use super::display::four_digits;
-use super::svg::{Anchor, Area, INK, PAPER, RUPTURE, Stroke, Svg, text_width};
+use super::drawing::{Anchor, Area, Drawing, INK, PAPER, RUPTURE, Stroke, text_width};
 
 /// Size of the text at values that an axis cuts off, px.
 const CUT: f64 = 11.0;
@@ -53,13 +53,13 @@ impl LinePanel {
     }
 
     /// Draws the panel; where the axis cuts off values, it says how far they reach.
-    pub fn draw(&self, svg: &mut Svg, area: Area) {
-        let frame = line_panel(svg, area, &self.heading, self.x.clone(), self.y.clone(), &self.series);
-        self.draw_cut(svg, &frame);
+    pub fn draw(&self, drawing: &mut Drawing, area: Area) {
+        let frame = line_panel(drawing, area, &self.heading, self.x.clone(), self.y.clone(), &self.series);
+        self.draw_cut(drawing, &frame);
     }
 
     /// A mark at the edge that the farthest value is cut off at, with that value.
-    fn draw_cut(&self, svg: &mut Svg, frame: &Frame) {
+    fn draw_cut(&self, drawing: &mut Drawing, frame: &Frame) {
         let seen = |p: &&(f64, f64)| p.1.is_finite() && (self.x.low..=self.x.high).contains(&p.0);
         let points = || self.series.iter().filter(|s| !s.marks).flat_map(|s| &s.points).filter(seen);
         let highest = points().max_by(|a, b| a.1.total_cmp(&b.1)).filter(|p| self.y.part(p.1) > 1.0 + 1e-6);
@@ -70,41 +70,48 @@ impl LinePanel {
             let text = format!("extends to {}", four_digits(value));
             let arrow = [(x, edge), (x - 5.0, edge + 9.0 * inward), (x + 5.0, edge + 9.0 * inward)];
             let ink = Stroke::new(INK, 0.8);
-            svg.polygon(&arrow, INK, &ink);
+            drawing.polygon(&arrow, INK, &ink);
             let width = text_width(&text, CUT);
             let left = if x + 10.0 + width < frame.plot.right() { x + 8.0 } else { x - 8.0 - width };
             let area = Area { x: left, y: edge + 7.0 * inward - 0.5 * CUT - 1.0, width, height: CUT + 2.0 };
-            svg.rect(area, PAPER, None);
-            svg.text((left, area.bottom() - 3.0), CUT, Anchor::Start, &text);
+            drawing.rect(area, PAPER, None);
+            drawing.text((left, area.bottom() - 3.0), CUT, Anchor::Start, &text);
         }
     }
 }
 
 /// Draws a panel of lines: title, legend above the plot (nothing can lie under it), axes, lines.
-pub(super) fn line_panel(svg: &mut Svg, panel: Area, heading: &str, x: Axis, y: Axis, series: &[Series]) -> Frame {
+pub(super) fn line_panel(
+    drawing: &mut Drawing,
+    panel: Area,
+    heading: &str,
+    x: Axis,
+    y: Axis,
+    series: &[Series],
+) -> Frame {
     let rows = legend_rows(series, panel.width - LEFT - 12.0);
     let frame = Frame { plot: plot_area(panel, rows.len(), 12.0), x, y };
-    title(svg, panel, heading);
-    draw_legend(svg, panel, &rows);
-    frame.draw(svg, true);
-    svg.clipped(frame.plot, |svg| {
+    title(drawing, panel, heading);
+    draw_legend(drawing, panel, &rows);
+    frame.draw(drawing, true);
+    drawing.clipped(frame.plot, |drawing| {
         for series in series {
-            draw_series(svg, &frame, series);
+            draw_series(drawing, &frame, series);
         }
     });
     frame
 }
 
-pub(super) fn draw_series(svg: &mut Svg, frame: &Frame, series: &Series) {
+pub(super) fn draw_series(drawing: &mut Drawing, frame: &Frame, series: &Series) {
     if series.marks {
         let ring = Stroke::new(&series.stroke.colour, series.stroke.width);
         for &point in series.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()) {
-            svg.circle(frame.place(point), 3.5, PAPER, &ring);
+            drawing.circle(frame.place(point), 3.5, PAPER, &ring);
         }
         return;
     }
     let points: Vec<_> = series.points.iter().map(|&p| frame.place(p)).collect();
-    svg.named_path(&series.name, &thinned(&points), &series.stroke);
+    drawing.named_path(&series.name, &thinned(&points), &series.stroke);
 }
 
 /// Points for the eye: where many fall into one column of pixels, its first, lowest, highest and last stay.
@@ -148,7 +155,7 @@ fn entry_width(series: &Series) -> f64 {
     46.0 + text_width(&series.name, TICK)
 }
 
-pub(super) fn draw_legend(svg: &mut Svg, panel: Area, rows: &[Vec<(f64, &Series)>]) {
+pub(super) fn draw_legend(drawing: &mut Drawing, panel: Area, rows: &[Vec<(f64, &Series)>]) {
     for (index, row) in rows.iter().enumerate() {
         let y = panel.y + TOP + LEGEND_ROW * index as f64 + 6.0;
         // A long name has the room on the left of the plot, too.
@@ -157,11 +164,11 @@ pub(super) fn draw_legend(svg: &mut Svg, panel: Area, rows: &[Vec<(f64, &Series)
         for (place, series) in row {
             let x = left + place;
             if series.marks {
-                svg.circle((x + 12.0, y), 3.5, PAPER, &series.stroke);
+                drawing.circle((x + 12.0, y), 3.5, PAPER, &series.stroke);
             } else {
-                svg.line((x, y), (x + 24.0, y), &series.stroke);
+                drawing.line((x, y), (x + 24.0, y), &series.stroke);
             }
-            svg.text((x + 29.0, y + 4.0), TICK, Anchor::Start, &series.name);
+            drawing.text((x + 29.0, y + 4.0), TICK, Anchor::Start, &series.name);
         }
     }
 }

@@ -1,32 +1,33 @@
-//! SVG as a PDF of one page: lines and areas stay vectors, letters become areas, maps stay pictures.
-//!
-//! Written is what figures are made of; anything else (gradients, masks, filters) is an error, never a figure with something missing.
+//! A picture as a PDF of one page: lines and areas stay vectors, letters become areas, maps stay pictures.
 
 use std::collections::BTreeSet;
 
 use libdeflater::{CompressionLvl, Compressor};
-use pdf_writer::types::{LineCapStyle, LineJoinStyle};
+use pdf_writer::types::LineJoinStyle;
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref};
-use resvg::tiny_skia::{PathSegment, Pixmap, Point};
-use resvg::usvg;
-use usvg::{Group, ImageKind, Node, Paint, Transform};
+use tiny_skia::{LineJoin, Path, PathSegment, Pixmap, Point, PremultipliedColorU8};
+
+use super::canvas::{self, Canvas, Line, Reason};
+use super::drawing::{Area, Picture};
 
 /// Points for each px of 1/96 inch.
 const POINTS: f32 = 0.75;
 
-/// What is wrong with a picture.
-type Reason = String;
+/// As SVG's.
+const MITER_LIMIT: f32 = 4.0;
 
-/// A document of one page as large as the drawing.
-///
-/// # Errors
-/// A message: the drawing has an element that is not supported.
-pub(super) fn pdf(tree: &usvg::Tree) -> Result<Vec<u8>, Reason> {
-    let (width, height) = (tree.size().width() * POINTS, tree.size().height() * POINTS);
-    let mut page = Page { content: Content::new(), images: Vec::new(), opacities: BTreeSet::new() };
-    page.content.transform([POINTS, 0.0, 0.0, -POINTS, 0.0, height]);
-    page.group(tree.root())?;
-    Ok(page.document(width, height))
+impl Picture {
+    /// The picture as a PDF file of one page, as large as the picture.
+    ///
+    /// # Errors
+    /// One sentence: a part that cannot be drawn.
+    pub fn pdf(&self) -> Result<Vec<u8>, Reason> {
+        let [width, height] = [self.width, self.height].map(|size| size as f32 * POINTS);
+        let mut page = Page { content: Content::new(), images: Vec::new(), opacities: BTreeSet::new() };
+        page.content.transform([POINTS, 0.0, 0.0, -POINTS, 0.0, height]);
+        canvas::draw(self, &mut page)?;
+        Ok(page.document(width, height))
+    }
 }
 
 fn compressed(data: &[u8]) -> Vec<u8> {
@@ -53,113 +54,90 @@ fn opacity_name(thousandths: u16) -> String {
     format!("opacity{thousandths}")
 }
 
-fn matrix(t: Transform) -> [f32; 6] {
-    [t.sx, t.ky, t.kx, t.sy, t.tx, t.ty]
+impl Canvas for Page {
+    fn fill(&mut self, path: &Path, colour: [u8; 3]) {
+        let [r, g, b] = colour.map(|part| f32::from(part) / 255.0);
+        self.opacity(1.0);
+        self.content.set_fill_rgb(r, g, b);
+        self.outline(path);
+        self.content.fill_nonzero();
+    }
+
+    fn draw(&mut self, path: &Path, line: &Line) {
+        let [r, g, b] = line.colour.map(|part| f32::from(part) / 255.0);
+        let join = match line.join {
+            LineJoin::Miter | LineJoin::MiterClip => LineJoinStyle::MiterJoin,
+            LineJoin::Round => LineJoinStyle::RoundJoin,
+            LineJoin::Bevel => LineJoinStyle::BevelJoin,
+        };
+        self.opacity(line.opacity);
+        self.content.set_stroke_rgb(r, g, b).set_line_width(line.width).set_line_join(join);
+        self.content.set_miter_limit(MITER_LIMIT).set_dash_pattern(line.dashes.iter().copied(), 0.0);
+        self.outline(path);
+        self.content.stroke();
+    }
+
+    fn image(&mut self, area: &Area, pixels: Pixmap) {
+        let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(|number| number as f32);
+        // A picture of PDF fills the unit square, and its first row is on top.
+        self.opacity(1.0);
+        self.content.save_state().transform([width, 0.0, 0.0, -height, x, y + height]);
+        self.content.x_object(Name(image_name(self.images.len()).as_bytes())).restore_state();
+        self.images.push(pixels);
+    }
+
+    fn clip(&mut self, area: &Area) {
+        let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(|number| number as f32);
+        self.content.save_state().rect(x, y, width, height).clip_nonzero().end_path();
+    }
+
+    fn unclip(&mut self) {
+        self.content.restore_state();
+    }
 }
 
 impl Page {
-    fn group(&mut self, group: &Group) -> Result<(), Reason> {
-        if group.mask().is_some() || !group.filters().is_empty() || group.opacity() != usvg::Opacity::ONE {
-            return Err("masks, filters and opacity of groups cannot be written as PDF".into());
-        }
-        self.content.save_state();
-        self.content.transform(matrix(group.transform()));
-        if let Some(clip) = group.clip_path() {
-            self.clip(clip)?;
-        }
-        for node in group.children() {
-            match node {
-                Node::Group(group) => self.group(group)?,
-                Node::Path(path) if path.is_visible() => self.path(path)?,
-                Node::Text(text) => self.group(text.flattened())?,
-                Node::Image(image) if image.is_visible() => self.image(image)?,
-                Node::Path(_) | Node::Image(_) => {}
-            }
-        }
-        self.content.restore_state();
-        Ok(())
-    }
-
-    /// What comes after, up to the end of the group, is cut at the edges of the paths.
-    fn clip(&mut self, clip: &usvg::ClipPath) -> Result<(), Reason> {
-        for node in clip.root().children() {
-            let Node::Path(path) = node else {
-                return Err("only paths can clip in a PDF".into());
-            };
-            self.outline(path.data().clone().transform(clip.transform().pre_concat(path.abs_transform())).as_ref());
-        }
-        self.content.clip_nonzero().end_path();
-        Ok(())
-    }
-
-    fn outline(&mut self, path: Option<&resvg::tiny_skia::Path>) {
-        let mut from = (0.0, 0.0);
-        for segment in path.iter().flat_map(|path| path.segments()).map(rounded) {
-            match segment {
-                PathSegment::MoveTo(p) => self.content.move_to(p.x, p.y),
-                PathSegment::LineTo(p) => self.content.line_to(p.x, p.y),
-                // PDF has no curves of the second degree.
-                PathSegment::QuadTo(c, p) => {
-                    let third = |end: f32, control: f32| end + (control - end) * 2.0 / 3.0;
-                    let (x1, y1) = (third(from.0, c.x), third(from.1, c.y));
-                    self.content.cubic_to(x1, y1, third(p.x, c.x), third(p.y, c.y), p.x, p.y)
+    fn outline(&mut self, path: &Path) {
+        let mut from = Point::zero();
+        for segment in path.segments() {
+            from = match segment {
+                PathSegment::MoveTo(p) => {
+                    let p = rounded(p);
+                    self.content.move_to(p.x, p.y);
+                    p
                 }
-                PathSegment::CubicTo(a, b, p) => self.content.cubic_to(a.x, a.y, b.x, b.y, p.x, p.y),
-                PathSegment::Close => self.content.close_path(),
+                PathSegment::LineTo(p) => {
+                    let p = rounded(p);
+                    self.content.line_to(p.x, p.y);
+                    p
+                }
+                // PDF has no curves of the second degree.
+                PathSegment::QuadTo(control, p) => {
+                    let third = |end: Point| {
+                        let part = |end: f32, control: f32| end + (control - end) * 2.0 / 3.0;
+                        Point::from_xy(part(end.x, control.x), part(end.y, control.y))
+                    };
+                    self.curve(third(from), third(p), p)
+                }
+                PathSegment::CubicTo(a, b, p) => self.curve(a, b, p),
+                PathSegment::Close => {
+                    self.content.close_path();
+                    from
+                }
             };
-            if let PathSegment::MoveTo(p)
-            | PathSegment::LineTo(p)
-            | PathSegment::QuadTo(_, p)
-            | PathSegment::CubicTo(.., p) = segment
-            {
-                from = (p.x, p.y);
-            }
         }
     }
 
-    fn path(&mut self, path: &usvg::Path) -> Result<(), Reason> {
-        if let Some(fill) = path.fill() {
-            let [r, g, b] = rgb(fill.paint())?;
-            self.opacity(fill.opacity());
-            self.content.set_fill_rgb(r, g, b);
-            self.outline(Some(path.data()));
-            match fill.rule() {
-                usvg::FillRule::NonZero => self.content.fill_nonzero(),
-                usvg::FillRule::EvenOdd => self.content.fill_even_odd(),
-            };
-        }
-        if let Some(stroke) = path.stroke() {
-            let [r, g, b] = rgb(stroke.paint())?;
-            self.opacity(stroke.opacity());
-            self.content.set_stroke_rgb(r, g, b).set_line_width(stroke.width().get());
-            self.content.set_line_cap(cap(stroke.linecap())).set_line_join(join(stroke.linejoin()));
-            self.content.set_miter_limit(stroke.miterlimit().get());
-            let dashes = stroke.dasharray().unwrap_or_default();
-            self.content.set_dash_pattern(dashes.iter().copied(), stroke.dashoffset());
-            self.outline(Some(path.data()));
-            self.content.stroke();
-        }
-        Ok(())
+    fn curve(&mut self, a: Point, b: Point, p: Point) -> Point {
+        let [a, b, p] = [a, b, p].map(rounded);
+        self.content.cubic_to(a.x, a.y, b.x, b.y, p.x, p.y);
+        p
     }
 
-    fn opacity(&mut self, opacity: usvg::Opacity) {
-        let thousandths = (1000.0 * opacity.get()).round() as u16;
+    fn opacity(&mut self, opacity: f32) {
+        let thousandths = (1000.0 * opacity).round() as u16;
         self.opacities.insert(thousandths);
         self.content.set_parameters(Name(opacity_name(thousandths).as_bytes()));
-    }
-
-    fn image(&mut self, image: &usvg::Image) -> Result<(), Reason> {
-        let ImageKind::PNG(data) = image.kind() else {
-            return Err("only PNG pictures can be written as PDF".into());
-        };
-        let pixels = Pixmap::decode_png(data).map_err(|e| e.to_string())?;
-        let (width, height) = (image.size().width(), image.size().height());
-        // A picture of PDF fills the unit square, and its first row is on top.
-        self.opacity(usvg::Opacity::ONE);
-        self.content.save_state().transform([width, 0.0, 0.0, -height, 0.0, height]);
-        self.content.x_object(Name(image_name(self.images.len()).as_bytes())).restore_state();
-        self.images.push(pixels);
-        Ok(())
     }
 
     fn document(self, width: f32, height: f32) -> Vec<u8> {
@@ -199,43 +177,11 @@ impl Page {
 
 /// Red, green and blue of each pixel, on white paper.
 fn on_white(pixels: &Pixmap) -> Vec<u8> {
-    let opaque = |p: &resvg::tiny_skia::PremultipliedColorU8| {
-        [p.red(), p.green(), p.blue()].map(|part| part + (255 - p.alpha()))
-    };
+    let opaque = |p: &PremultipliedColorU8| [p.red(), p.green(), p.blue()].map(|part| part + (255 - p.alpha()));
     pixels.pixels().iter().flat_map(opaque).collect()
 }
 
-/// Coordinates to a hundredth of a px: letters have many, and nobody sees more.
-fn rounded(segment: PathSegment) -> PathSegment {
-    let round = |p: Point| Point::from_xy((100.0 * p.x).round() / 100.0, (100.0 * p.y).round() / 100.0);
-    match segment {
-        PathSegment::MoveTo(p) => PathSegment::MoveTo(round(p)),
-        PathSegment::LineTo(p) => PathSegment::LineTo(round(p)),
-        PathSegment::QuadTo(c, p) => PathSegment::QuadTo(round(c), round(p)),
-        PathSegment::CubicTo(a, b, p) => PathSegment::CubicTo(round(a), round(b), round(p)),
-        PathSegment::Close => PathSegment::Close,
-    }
-}
-
-fn rgb(paint: &Paint) -> Result<[f32; 3], Reason> {
-    match paint {
-        Paint::Color(c) => Ok([c.red, c.green, c.blue].map(|part| f32::from(part) / 255.0)),
-        _ => Err("gradients and patterns cannot be written as PDF".into()),
-    }
-}
-
-fn cap(cap: usvg::LineCap) -> LineCapStyle {
-    match cap {
-        usvg::LineCap::Butt => LineCapStyle::ButtCap,
-        usvg::LineCap::Round => LineCapStyle::RoundCap,
-        usvg::LineCap::Square => LineCapStyle::ProjectingSquareCap,
-    }
-}
-
-fn join(join: usvg::LineJoin) -> LineJoinStyle {
-    match join {
-        usvg::LineJoin::Miter | usvg::LineJoin::MiterClip => LineJoinStyle::MiterJoin,
-        usvg::LineJoin::Round => LineJoinStyle::RoundJoin,
-        usvg::LineJoin::Bevel => LineJoinStyle::BevelJoin,
-    }
+/// To a hundredth of a px: letters have many points, and nobody sees more.
+fn rounded(p: Point) -> Point {
+    Point::from_xy((100.0 * p.x).round() / 100.0, (100.0 * p.y).round() / 100.0)
 }

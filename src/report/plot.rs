@@ -1,13 +1,8 @@
 //! Common parts of all figures: colours, and output as SVG, PNG, PDF or HTML.
-//!
-//! SVG and HTML name the font `DejaVu Sans` with common substitutes; PNG and PDF are drawn with `DejaVu Sans` itself, which
-//! is part of the program, so they look the same on a machine without fonts.
 
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
 
-use resvg::{tiny_skia, usvg};
-
+use super::drawing::Picture;
 use super::html::{html, picture};
 use crate::destination::{is_stdout, write_whole};
 use crate::error::{Error, InputError, Result};
@@ -62,12 +57,13 @@ impl Format {
 ///
 /// # Errors
 /// A name of no known kind, or a file that cannot be written.
-pub fn save(path: &Path, title: &str, svg: &str) -> Result<()> {
+pub fn save(path: &Path, title: &str, figure: &Picture) -> Result<()> {
+    let failed = |reason| Error::file(path, reason);
     match Format::of(path)? {
-        Format::Svg => write_whole(path, svg.as_bytes()),
-        Format::Png => write_whole(path, &png(svg, PNG_SCALE).map_err(|reason| Error::file(path, reason))?),
-        Format::Pdf => write_whole(path, &pdf(svg).map_err(|reason| Error::file(path, reason))?),
-        Format::Html => write_whole(path, page(title, svg).as_bytes()),
+        Format::Svg => write_whole(path, figure.svg().as_bytes()),
+        Format::Png => write_whole(path, &figure.png(PNG_SCALE).map_err(failed)?),
+        Format::Pdf => write_whole(path, &figure.pdf().map_err(failed)?),
+        Format::Html => write_whole(path, page(title, &figure.svg()).as_bytes()),
     }
 }
 
@@ -76,65 +72,9 @@ fn page(title: &str, svg: &str) -> String {
     html(title, &[("", &["<figure class=\"whole\">\n", &picture(title, svg), "</figure>"].concat())])
 }
 
-/// Draws SVG text as a PNG file, `scale` pixels a unit.
-///
-/// # Errors
-/// One sentence: text that is no SVG, or a picture too large for memory.
-pub fn png(svg: &str, scale: f32) -> std::result::Result<Vec<u8>, String> {
-    let tree = tree(svg)?;
-    let size = tree.size().to_int_size().scale_by(scale).ok_or("the picture has no size")?;
-    let mut pixels =
-        tiny_skia::Pixmap::new(size.width(), size.height()).ok_or("the picture is too large for memory")?;
-    pixels.fill(tiny_skia::Color::WHITE);
-    resvg::render(&tree, tiny_skia::Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|e| e.to_string())
-}
-
-/// Draws SVG text as a PDF file of one page, 1 px as 1/96 inch.
-///
-/// # Errors
-/// A message: invalid SVG, or an SVG element that is not supported.
-pub fn pdf(svg: &str) -> std::result::Result<Vec<u8>, String> {
-    super::pdf::pdf(&tree(svg)?)
-}
-
-fn tree(svg: &str) -> std::result::Result<usvg::Tree, String> {
-    let options = usvg::Options { fontdb: fonts(), font_family: "DejaVu Sans".into(), ..usvg::Options::default() };
-    usvg::Tree::from_str(svg, &options).map_err(|e| e.to_string())
-}
-
-/// `DejaVu Sans`, for [`png`] and [`pdf`].
-fn fonts() -> Arc<usvg::fontdb::Database> {
-    static FONTS: OnceLock<Arc<usvg::fontdb::Database>> = OnceLock::new();
-    let load = || {
-        let mut fonts = usvg::fontdb::Database::new();
-        for font in [dejavu::sans::regular(), dejavu::sans::bold()] {
-            fonts.load_font_source(usvg::fontdb::Source::Binary(Arc::new(font)));
-        }
-        fonts.set_sans_serif_family("DejaVu Sans");
-        Arc::new(fonts)
-    };
-    FONTS.get_or_init(load).clone()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_font_is_there_and_text_leaves_ink() {
-        assert_eq!(fonts().faces().count(), 2);
-        let text = "<svg xmlns='http://www.w3.org/2000/svg' width='60' height='20'>\
-                    <text x='2' y='15' font-family='DejaVu Sans, Arial'>stress</text></svg>";
-        let blank = "<svg xmlns='http://www.w3.org/2000/svg' width='60' height='20'></svg>";
-        let ink = |svg| {
-            let picture = png(svg, 1.0).expect("it is SVG");
-            let pixels = tiny_skia::Pixmap::decode_png(&picture).expect("it is PNG");
-            pixels.pixels().iter().filter(|p| p.red() < 128).count()
-        };
-        assert_eq!(ink(blank), 0);
-        assert!(ink(text) > 50, "{}", ink(text));
-    }
 
     #[test]
     fn formats_go_by_the_name() {

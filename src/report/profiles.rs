@@ -3,8 +3,8 @@
 use super::axis::Axis;
 use super::colour::{ColourMap, hex};
 use super::display::field_name;
+use super::drawing::{Stroke, THEORY};
 use super::panel::{LinePanel, Series};
-use super::svg::{Stroke, THEORY};
 use super::view::{View, nearest};
 use crate::error::Result;
 use crate::record::{Field, FrontRow};

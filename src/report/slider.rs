@@ -2,11 +2,12 @@
 
 use super::axis::Axis;
 use super::display::{Unit, Units, field_name};
+use super::drawing::Stroke;
 use super::html::picture;
 use super::layout::{Content, alone};
 use super::panel::{LinePanel, Series};
 use super::plot::colour;
-use super::svg::{Stroke, base64};
+use super::svg::base64;
 use super::view::View;
 use crate::error::Result;
 use crate::impact::Shapes;
@@ -96,7 +97,7 @@ impl Profiles {
         let (Some(last), Some(&end)) = (self.rows.last().filter(|_| self.rows.len() > 1), self.time.last()) else {
             return Ok(String::new());
         };
-        let svg = alone(&Content::Lines(self.panel(last)), size, index)?;
+        let svg = alone(&Content::Lines(self.panel(last)), size, index)?.svg();
         let most = self.rows.len() - 1;
         Ok(format!(
             "<figure class=\"player\">\n{svg}<div class=\"controls\" hidden>\n\

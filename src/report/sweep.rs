@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::drawing::Picture;
 use super::grid::{Panel, draw, stroke};
 use super::panel::Series;
 use crate::study::sweep::{Combine, Plan, Row};
@@ -23,7 +24,7 @@ const MOST: usize = 6;
 
 /// Each metric that is a number in two cases at least, against the longest axis of numbers, with a line for every combination of the others.
 /// None where there is nothing to draw. SVG text.
-pub fn figure(plan: &Plan, rows: &[Row]) -> Option<String> {
+pub fn figure(plan: &Plan, rows: &[Row]) -> Option<Picture> {
     let numbers = |k: &usize| plan.axes[*k].levels.iter().all(|level| level.si.is_some());
     let along = (0..plan.axes.len()).rev().filter(numbers).max_by_key(|k| plan.axes[*k].levels.len())?;
     let axis = &plan.axes[along];

@@ -1,5 +1,6 @@
 //! Figure of a tension-impact test.
 
+use super::drawing::Picture;
 use super::lines::{Line, Panel, Style, figure};
 use crate::study::tension::{Point, Results};
 
@@ -11,7 +12,7 @@ const PROFILES: [f64; 4] = [0.25, 0.6, 0.95, 1.1];
 
 /// Elongation, energy and place of fracture against impact velocity, with the critical velocity and the elongation of a slow test; and the
 /// residual strain at some velocities. SVG text.
-pub fn draw(results: &Results) -> String {
+pub fn draw(results: &Results) -> Picture {
     let mut panels = vec![
         against_velocity(results, "elongation at fracture", "elongation (%)", |p| Some(p.elongation? / PERCENT)),
         against_velocity(results, "energy absorbed", "energy absorbed (J)", |p| p.energy),

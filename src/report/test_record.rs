@@ -1,9 +1,9 @@
 //! Figure of an imported record: before and after the reduction.
 
 use super::axis::Axis;
+use super::drawing::{Anchor, Area, Drawing, Picture, Stroke};
 use super::panel::{Series, line_panel};
 use super::plot::colour;
-use super::svg::{Anchor, Area, Stroke, Svg};
 use crate::material::Scatter;
 use crate::test_record::Reduction;
 
@@ -30,9 +30,9 @@ pub struct Drawn<'a> {
 
 /// The records before and after: the whole curves, and their start with the elastic line and the proof stress. Several tests have their
 /// mean (strain, stress in Pa) with a band of one standard deviation.
-pub fn figure(title: &str, tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> String {
-    let mut svg = Svg::default();
-    svg.bold((MARGIN, 26.0), 17.0, Anchor::Start, title);
+pub fn figure(title: &str, tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Picture {
+    let mut drawing = Drawing::default();
+    drawing.bold((MARGIN, 26.0), 17.0, Anchor::Start, title);
     let whole = Area { x: MARGIN, y: TOP, width: PANEL.0, height: PANEL.1 };
     let start = Area { x: MARGIN + PANEL.0 + MARGIN, ..whole };
     let series = series(tests, mean);
@@ -40,14 +40,21 @@ pub fn figure(title: &str, tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Sc
     let highest = extent(&series, |point| point.1);
     let y = |high: f64| Axis::new("engineering stress (MPa)", 0.0, high);
     let x = |low: f64, high: f64| Axis::new("engineering strain (%)", low, high);
-    line_panel(&mut svg, whole, "(a)  record and curve", x(0.0, 1.05 * farthest), y(1.08 * highest), &series);
+    line_panel(&mut drawing, whole, "(a)  record and curve", x(0.0, 1.05 * farthest), y(1.08 * highest), &series);
     let end = (START / PERCENT).min(farthest);
     let low = series.iter().flat_map(|s| &s.points).map(|p| p.0).fold(0.0, f64::min).max(-0.3 * end);
     let mut near = series;
     near.extend(elastic_lines(tests));
     let visible = near.iter().flat_map(|s| &s.points).filter(|p| p.0 <= end).map(|p| p.1).fold(0.0, f64::max);
-    line_panel(&mut svg, start, "(b)  start of the curve", x(low, end), y(1.12 * visible.min(1.08 * highest)), &near);
-    svg.document(WIDTH, TOP + PANEL.1 + MARGIN)
+    line_panel(
+        &mut drawing,
+        start,
+        "(b)  start of the curve",
+        x(low, end),
+        y(1.12 * visible.min(1.08 * highest)),
+        &near,
+    );
+    drawing.finish(WIDTH, TOP + PANEL.1 + MARGIN)
 }
 
 fn extent(series: &[Series], pick: fn(&(f64, f64)) -> f64) -> f64 {

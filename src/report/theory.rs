@@ -2,10 +2,10 @@
 
 use super::axis::Axis;
 use super::display::field_name;
+use super::drawing::{Stroke, THEORY};
 use super::panel::{LinePanel, Series};
 use super::plot::colour;
 use super::profiles;
-use super::svg::{Stroke, THEORY};
 use super::view::{View, nearest};
 use crate::error::Result;
 use crate::record::{Field, FrontRow};

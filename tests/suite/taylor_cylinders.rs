@@ -95,7 +95,7 @@ fn figure(computed: &[Vec<f64>]) -> String {
         lines.push(line(MODELS[model].0, colour, Style::Solid, &|k| computed[k][model]));
     }
     let labels = ["impact velocity (m/s)", "final length / initial length"].map(String::from);
-    lines::figure("Taylor cylinders of 6061-T6, 23.47 mm long", &[Panel { title: String::new(), labels, lines }])
+    lines::figure("Taylor cylinders of 6061-T6, 23.47 mm long", &[Panel { title: String::new(), labels, lines }]).svg()
 }
 
 /// The page with the table in the place that its two comments mark.

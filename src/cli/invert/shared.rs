@@ -83,9 +83,14 @@ impl Outputs {
     }
 
     /// Writes the figure and the table where they are asked for.
-    pub(super) fn write(&self, title: &str, svg: impl FnOnce() -> String, csv: impl FnOnce() -> String) -> Result<()> {
+    pub(super) fn write(
+        &self,
+        title: &str,
+        figure: impl FnOnce() -> report::Picture,
+        csv: impl FnOnce() -> String,
+    ) -> Result<()> {
         if let Some(path) = &self.plot {
-            plot::save(path, title, &svg())?;
+            plot::save(path, title, &figure())?;
         }
         if let Some(path) = &self.csv {
             destination::write_whole(path, csv().as_bytes())?;

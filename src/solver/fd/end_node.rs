@@ -15,6 +15,8 @@ pub struct EndNode {
     model: Box<dyn EndModel>,
     face: Face,
     node: HalfNode,
+    /// Of half its cell, kg.
+    mass: f64,
     dt: f64,
     /// Force up to which the bar is elastic, N.
     limit: f64,
@@ -94,10 +96,12 @@ impl EndNode {
     pub fn new(condition: &EndCondition, normal: f64, grid: EndGrid) -> Self {
         let velocity = -normal * grid.velocity;
         let face = Face { inward: -normal, area: grid.area, impedance: grid.impedance * grid.area, velocity };
+        let mass = 0.5 * grid.density * grid.dx * grid.cell_area;
         Self {
             model: ends::model(condition, face),
             face,
-            node: HalfNode::new(velocity, 0.5 * grid.density * grid.dx * grid.cell_area, grid.cell_area, grid.dt),
+            node: HalfNode::new(velocity, mass, grid.cell_area, grid.dt),
+            mass,
             dt: grid.dt,
             limit: grid.yield_stress * grid.area,
             force: 0.0,
@@ -278,46 +282,46 @@ impl EndNode {
         }
         let change = self.face.inward * change;
         if self.is_held() {
-            let impulse = -self.face.inward * change * self.mass();
-            self.damped += self.give(impulse, self.velocity_after());
+            let impulse = -self.face.inward * change * self.mass;
+            let [work, taken] = self.give(impulse, self.velocity_after());
+            self.damped += work - taken;
             return;
         }
         let velocity_increment = self.velocity_increment(sigma_cell);
-        self.damped +=
-            0.5 * self.node.impedance * self.dt * grid_filter::node(velocity_increment, change, &mut self.node.after);
+        self.damped += 0.5 * self.mass * grid_filter::node(velocity_increment, change, &mut self.node.after);
         self.node.before += change;
         self.displacement += self.dt * change;
     }
 
     /// Mass of the node, kg.
     pub(super) fn mass(&self) -> f64 {
-        self.node.impedance * self.dt
+        self.mass
     }
 
     /// Changes the velocities before and after the current time by `change` (m/s, in +x), with an impulse that [`Self::give`] books.
     /// Returns the energy that this takes, J.
     pub(super) fn impose(&mut self, change: f64) -> f64 {
-        let (mass, change) = (self.mass(), self.face.inward * change);
+        let change = self.face.inward * change;
         let velocity_increment = self.node.after - self.node.before;
         self.node.before += change;
         self.displacement += self.dt * change;
-        -0.5 * mass * grid_filter::node(velocity_increment, change, &mut self.node.after)
+        -0.5 * self.mass * grid_filter::node(velocity_increment, change, &mut self.node.after)
     }
 
     /// The bar beyond the node gets this impulse (N s in +x) from the end in the present step, where the end moves with `velocity` (m/s). A body
-    /// gives it of its own motion, and takes the node with it. Returns the work on that part of the bar, J.
-    pub(super) fn give(&mut self, impulse: f64, velocity: f64) -> f64 {
-        let (before, mass) = (self.model.energy(self.displacement), self.mass());
-        let change = self.face.inward * self.model.give(self.dt, self.face.inward * impulse, mass);
+    /// gives it of its own motion, and takes the node with it. Returns the work on the bar and what of it the node took, J.
+    pub(super) fn give(&mut self, impulse: f64, velocity: f64) -> [f64; 2] {
+        let before = self.model.energy(self.displacement);
+        let change = self.face.inward * self.model.give(self.dt, self.face.inward * impulse, self.mass);
         let given = before - self.model.energy(self.displacement);
         let work = if self.model.body().is_some() { given } else { impulse * velocity };
         let taken = if change == 0.0 { 0.0 } else { self.impose(change) };
-        let impulse = impulse + mass * change;
+        let impulse = impulse + self.mass * change;
         self.impulse += impulse;
         self.throughput += impulse.abs();
         self.work += work;
         self.work_on_node += work;
-        work - taken
+        [work, taken]
     }
 
     /// The record shows this stress, Pa, at the current time.

@@ -6,7 +6,7 @@ mod sudden_fans;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, EndCondition, InitialFan, Segment, SuddenLoads, first_fans};
+use crate::bar::{Bar, EndCondition, InitialFan, Segment, SuddenLoads, first_fans, spring_waves};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -82,13 +82,16 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 
 /// The fans with which leapfrog starts, and the sudden loads that it shows.
 fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialFan>, SuddenLoads) {
-    let fans = match (follows_curves(scene), along.is_nothing()) {
+    let mut fans = match (follows_curves(scene), along.is_nothing()) {
         (true, true) => sudden_fans(scene, grid, sudden_fans::LATE_IN_LEAPFROG),
         (true, false) => sudden_fans::beside_forces(scene, grid, along),
         (false, true) => return start_with_rate(scene, grid),
         (false, false) => Vec::new(),
     };
     let sudden = sudden_loads(scene, &fans, grid, 1.0);
+    if follows_curves(scene) && along.is_nothing() {
+        fans.extend(spring_waves(&scene.bar, [&scene.left, &scene.right], grid.dt));
+    }
     (fans, sudden)
 }
 
@@ -108,8 +111,9 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
-    let fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_MUSCL);
+    let mut fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_MUSCL);
     let sudden = sudden_loads(scene, &fans, &grid, 1.0);
+    fans.extend(spring_waves(&scene.bar, [&scene.left, &scene.right], grid.dt));
     let ends = [scene.left.clone(), scene.right.clone()];
     let bar = Muscl::new(&scene.bar, grid, laws, media, ends);
     let bar = if follows_curves(scene) { bar.starting_with(&fans) } else { bar };

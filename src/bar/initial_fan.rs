@@ -81,6 +81,8 @@ pub struct InitialFan {
     pub alone: bool,
     /// Distance from its origin up to which the segment counts as uniform, m.
     pub uniform_for: f64,
+    /// When each of its fronts leaves the origin, s, in order; empty where all do at once.
+    pub delays: Vec<f64>,
 }
 
 /// Part of the force of a striker that it may lose and still count as steady.
@@ -100,11 +102,12 @@ impl InitialFan {
         (room / first.speed).min(steady)
     }
 
-    /// Time (s) in which its slowest front travels [`START_CELLS`] cells of this length, m; 0 of one that is elastic: `c0` is the speed (m/s) of
-    /// such waves.
+    /// Time (s) after which its slowest front has travelled [`START_CELLS`] cells of this length, m; 0 of one that is elastic: `c0` is the speed (m/s)
+    /// of such waves.
     pub fn followed_for(&self, dx: f64, c0: f64) -> f64 {
         let slowest = self.fan.edges.last().filter(|edge| !edge.is_elastic(c0));
-        slowest.map_or(0.0, |edge| START_CELLS * dx / edge.speed)
+        let delay = self.delays.last().copied().unwrap_or(0.0);
+        slowest.map_or(0.0, |edge| delay + START_CELLS * dx / edge.speed)
     }
 
     /// How much less the bar is slowed down further in than at its end, where a body drives that, s/m: a velocity `w` that the end has lost
@@ -229,7 +232,7 @@ pub(crate) fn drives_at_start(end: &EndCondition, direction: f64, at: &Segment) 
     Imposed::on(at, end, direction).map(|imposed| (imposed.driver, imposed.holds_until))
 }
 
-fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
+pub(super) fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
     let direction = if origin == Origin::Left { 1.0 } else { -1.0 };
     let density = at.material.density;
     let imposed = Imposed::on(at, end, direction)?;
@@ -256,6 +259,7 @@ fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Seg
         holds_until: imposed.holds_until,
         driver: imposed.driver,
         alone: false,
+        delays: Vec::new(),
     })
 }
 
@@ -402,6 +406,7 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
                 holds_until: f64::INFINITY,
                 driver: Driver::Velocity,
                 alone: false,
+                delays: Vec::new(),
             }
         })
         .collect()

@@ -17,6 +17,8 @@ struct Front {
     elastic: bool,
     /// Velocity (m/s, in +x) and stress (Pa, tension positive) ahead of it.
     ahead: [f64; 2],
+    /// When it leaves the origin, s.
+    delay: f64,
 }
 
 /// How a grid resolves a segment.
@@ -92,10 +94,11 @@ impl StartingFan {
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
         let first = if by_wave { started.round() } else { started.floor() };
         let mut ahead = [initial_fan.velocity_ahead, initial_fan.stress_ahead()];
-        let fronts = fan.edges.iter().map(|edge| {
+        let delays = initial_fan.delays.iter().copied().chain(std::iter::repeat(0.0));
+        let fronts = fan.edges.iter().zip(delays).map(|(edge, delay)| {
             let rise = initial_fan.sense.sign() * (edge.stress_behind - edge.stress_ahead);
             let jump = -initial_fan.direction * initial_fan.sense.sign() * edge.velocity_jump();
-            let front = Front { speed: edge.speed, elastic: elastic(edge), ahead };
+            let front = Front { speed: edge.speed, elastic: elastic(edge), ahead, delay };
             ahead = [ahead[0] + jump, ahead[1] + rise];
             front
         });
@@ -148,6 +151,21 @@ impl StartingFan {
         }
     }
 
+    /// Its fronts leave its origin one after another.
+    pub fn grows(&self) -> bool {
+        self.fronts.last().is_some_and(|front| front.delay > 0.0)
+    }
+
+    /// How far its origin has moved within `time` (s) of its start, m.
+    pub fn moved(&self, time: f64) -> f64 {
+        if !self.grows() {
+            return self.velocity_behind * time;
+        }
+        let behind = self.fronts.iter().skip(1).map(|front| front.ahead[0]).chain([self.velocity_behind]);
+        let since = |(front, behind): (&Front, f64)| (behind - front.ahead[0]) * (time - front.delay).max(0.0);
+        self.velocity_ahead() * time + self.fronts.iter().zip(behind).map(since).sum::<f64>()
+    }
+
     /// Velocity of the bar ahead of it, m/s.
     fn velocity_ahead(&self) -> f64 {
         self.fronts[0].ahead[0]
@@ -184,7 +202,8 @@ impl StartingFan {
     /// How far its fronts, as spread over ramps, get within `time` (s) of its start, m.
     pub fn reach(&self, time: f64) -> f64 {
         let spread = |front: &Front| if front.elastic { 0.0 } else { 0.5 * self.ramp };
-        self.fronts.iter().map(|front| front.speed * time + spread(front)).fold(0.0, f64::max)
+        let front = |front: &Front| front.speed * (time - front.delay).max(0.0) + spread(front);
+        self.fronts.iter().map(front).fold(0.0, f64::max)
     }
 
     /// +1 where it runs in +x, -1 in -x.
@@ -192,8 +211,18 @@ impl StartingFan {
         if self.side == 0 { 1.0 } else { -1.0 }
     }
 
-    /// Stress at its origin, Pa: behind it, less what the bar is unloaded there.
-    pub fn stress_at_origin(&self) -> f64 {
+    /// Velocity (m/s) at its origin over the step from `time` (s) on, counted from its start.
+    pub fn velocity_at_origin(&self, time: f64, dt: f64) -> f64 {
+        if self.grows() { self.means(0.0, time, dt)[0] } else { self.velocity_behind }
+    }
+
+    /// Stress at its origin at a time, Pa: behind its fronts that have left, less what the bar is unloaded there.
+    pub fn stress_at_origin(&self, time: f64, dt: f64) -> f64 {
+        if self.grows() { self.means(0.0, time - 0.5 * dt, dt)[1] } else { self.unloaded_stress() }
+    }
+
+    /// Stress behind it, less what the bar is unloaded there, Pa.
+    fn unloaded_stress(&self) -> f64 {
         self.stress + self.direction() * self.impedance * self.slowed
     }
 
@@ -204,7 +233,7 @@ impl StartingFan {
             // The unloading waves that a body sends after the fan take its slowest fronts away.
             let elapsed = time + 0.5 * dt;
             behind[0] -= self.slowed * (1.0 - self.relief * distance / elapsed).max(0.0);
-            behind[1] = self.stress_at_origin() - self.direction() * self.density * distance * self.slowed / elapsed;
+            behind[1] = self.unloaded_stress() - self.direction() * self.density * distance * self.slowed / elapsed;
             let is_left = |front: &Front| (behind[0] - front.ahead[0]) * self.slowed > 0.0;
             fronts = &fronts[..fronts.partition_point(is_left).max(1)];
         }
@@ -216,12 +245,13 @@ impl StartingFan {
         // No front is felt in the first step, in which nodes are at rest.
         let half_ramp = |speed: f64| (0.5 * self.ramp).min(distance - speed * dt).max(0.0);
         // Fronts that have passed before the step count in full, those that arrive after it not at all.
-        let passed = fronts.partition_point(|front| front.speed * time >= distance + half_ramp(front.speed));
-        let arrives = |front: &&Front| front.speed * (time + dt) > distance - half_ramp(front.speed);
+        let gone = |front: &Front, time: f64| front.speed * (time - front.delay);
+        let passed = fronts.partition_point(|front| gone(front, time) >= distance + half_ramp(front.speed));
+        let arrives = |front: &&Front| gone(front, time + dt) > distance - half_ramp(front.speed);
         let ahead = |k: usize| fronts.get(k).map_or(behind, |front| front.ahead);
         let mut means = ahead(passed);
-        for (k, &Front { speed, elastic, .. }) in (passed..).zip(fronts[passed..].iter().take_while(arrives)) {
-            let arrival = distance / speed;
+        for (k, &Front { speed, elastic, delay, .. }) in (passed..).zip(fronts[passed..].iter().take_while(arrives)) {
+            let arrival = delay + distance / speed;
             let width = if elastic { 0.0 } else { 2.0 * half_ramp(speed) / speed };
             let share = (ramped(time + dt - arrival, width) - ramped(time - arrival, width)) / dt;
             let (before, after) = (ahead(k), ahead(k + 1));
@@ -275,6 +305,7 @@ mod tests {
             driver,
             alone: true,
             uniform_for: f64::INFINITY,
+            delays: Vec::new(),
         };
         let wave_speed = (MODULUS / DENSITY).sqrt();
         StartingFan::new(&initial_fan, DENSITY, &Resolution { wave_speed, ..GRID }, ramp).expect("a fan")

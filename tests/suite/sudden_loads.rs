@@ -11,6 +11,8 @@ use serde_json::Value;
 
 use crate::common::binary;
 
+const BILINEAR: &str = "{ density = 7800, modulus = \"200 GPa\", beyond = \"extend\", curve = { table = [[0.001, \"200 MPa\"], [0.101, \"1200 MPa\"]] } }";
+
 /// A bar of annealed copper with these ends and other keys of the bar.
 fn copper(bar: &str, left: &str) -> String {
     format!(
@@ -290,19 +292,77 @@ fn a_joint_carries_what_has_passed_it() {
     }
 }
 
-/// A known miss, as docs/guide/methods.md states it: the force of a stiff spring rises faster than plastic waves leave the first cells, and by leapfrog
-/// the mass of half a cell oscillates on it.
+/// The force of a stiff spring rises faster than plastic waves leave the first cells, and by leapfrog the mass of half a cell oscillated on it: the largest
+/// force was 136, 46 and 7 % too large with these cells, and 17, 13 and 2 % by the Godunov scheme.
 #[test]
-fn a_stiff_spring_overshoots_on_a_grid() {
-    let scene = "[bar]\nlength = 0.0528\narea = \"125 mm^2\"\nmaterial = \"copper-annealed\"\nvelocity = 31.7\n[left]\nkind = \"wall\"\n[right]\nkind = \
-                 \"spring\"\nstiffness = 21.9e9\n";
-    let largest = |solve: &str| figure(scene, "7.2 us", solve, "/figures/right/peak_force_N");
-    let [exact, finer] = ["1e-2", "1e-3"].map(|by| largest(&format!("method = \"moc\"\nfront-tolerance = {by}")));
-    assert!((exact / finer - 1.0).abs() < 1e-5, "{exact} {finer}");
-    for (cells, leapfrog, muscl) in [(200, 1.36, 0.17), (800, 0.46, 0.13), (3200, 0.07, 0.02)] {
-        for (scheme, expected) in [("leapfrog", leapfrog), ("muscl", muscl)] {
-            let found = largest(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}")) / exact - 1.0;
-            assert!((found - expected).abs() < 0.01, "{scheme}, {cells} cells: {found}");
+fn bars_that_run_against_a_stiff_spring_start_with_its_wave() {
+    let copper = "\"copper-annealed\"";
+    let bars = [
+        (copper, "isotropic", 21.9e9),
+        (copper, "isotropic", 2e9),
+        (copper, "isotropic", 1e14),
+        (BILINEAR, "kinematic", 5e9),
+    ];
+    for (material, hardening, spring) in bars {
+        let scene = format!(
+            "[bar]\nlength = 0.0528\narea = \"125 mm^2\"\nmaterial = {material}\nvelocity = 31.7\n[left]\nkind = \"wall\"\n[right]\nkind = \
+             \"spring\"\nstiffness = {spring:e}\n[effects]\nhardening = \"{hardening}\"\n"
+        );
+        let of = |solve: &str| {
+            let text = format!("{scene}[solve]\nuntil = \"7.2 us\"\n{solve}\n[record]\nframes = 1\n");
+            let scene = Scene::parse("spring", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
+            let summary = run(&scene, None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+            let residuals = [summary.ledger.energy_residual, summary.ledger.momentum_residual];
+            assert!(residuals.iter().all(|residual| *residual < 1e-12), "{solve}: {residuals:?}");
+            let figure = |name: &str| {
+                let mut all = summary.figures.0.iter().flat_map(|group| &group.figures);
+                all.find(|figure| figure.name == name).expect("a figure").value
+            };
+            [figure("largest_plastic_strain"), largest_stress(&scene)]
+        };
+        let exact = of("method = \"moc\"\nfront-tolerance = 1e-3");
+        for (scheme, cells) in ["leapfrog", "muscl"].into_iter().flat_map(|s| [(s, 200), (s, 800), (s, 3200)]) {
+            let found = of(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}"));
+            for (found, exact) in found.iter().zip(&exact) {
+                assert!(
+                    (found / exact - 1.0).abs() < 0.01,
+                    "{spring:e} N/m, {scheme}, {cells} cells: {found:e} for {exact:e}"
+                );
+            }
+        }
+    }
+}
+
+/// Largest stress of the right end in its history, Pa.
+fn largest_stress(scene: &Scene) -> f64 {
+    let [_, right] = solve_ends(scene);
+    right.stress.iter().fold(0.0, |most: f64, stress| most.max(stress.abs()))
+}
+
+/// A known miss, as docs/guide/methods.md states it: a wave that makes the bar yield as a stiff spring throws it back starts no wave of the spring.
+#[test]
+fn a_stiff_spring_that_a_wave_comes_to_overshoots_on_a_grid() {
+    let scene = format!(
+        "[bar]\nlength = 0.5\narea = \"1 cm^2\"\nmaterial = {BILINEAR}\n[left]\nkind = \"velocity\"\nvalue = 4.5\n[right]\nkind = \
+         \"spring\"\nstiffness = 3e9\n"
+    );
+    let of = |solve: &str| {
+        ["/figures/right/peak_force_N", "/figures/largest_plastic_strain"]
+            .map(|name| figure(&scene, "180 us", solve, name))
+    };
+    let exact = of("method = \"moc\"\nfront-tolerance = 1e-3");
+    let expected = [
+        ("leapfrog", 200, [0.096, 0.334]),
+        ("leapfrog", 1000, [0.004, 0.207]),
+        ("leapfrog", 4000, [0.0, 0.0]),
+        ("muscl", 200, [0.032, 0.001]),
+        ("muscl", 1000, [0.0, 0.007]),
+    ];
+    for (scheme, cells, expected) in expected {
+        let found = of(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}"));
+        for ((found, exact), expected) in found.iter().zip(&exact).zip(expected) {
+            let error = found / exact - 1.0;
+            assert!((error - expected).abs() < 0.005, "{scheme}, {cells} cells: {error}");
         }
     }
 }

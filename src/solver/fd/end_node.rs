@@ -304,7 +304,7 @@ impl EndNode {
         let change = self.face.inward * change;
         let velocity_increment = self.node.after - self.node.before;
         self.node.before += change;
-        self.displacement += self.dt * change;
+        self.shift(change);
         -0.5 * self.mass * grid_filter::node(velocity_increment, change, &mut self.node.after)
     }
 
@@ -322,6 +322,33 @@ impl EndNode {
         self.work += work;
         self.work_on_node += work;
         [work, taken]
+    }
+
+    /// At t = 0: in the step ahead the end moves with this velocity (m/s, in +x), which its own force gives it.
+    pub(super) fn start_moving(&mut self, velocity: f64) {
+        let change = self.face.inward * velocity - self.node.after;
+        let more = self.node.impedance * change;
+        self.force += more;
+        self.shift(change);
+        self.node.after += change;
+        let impulse = 0.5 * self.dt * more;
+        self.impulse += self.face.inward * impulse;
+        self.throughput += impulse.abs();
+        self.work_on_node += impulse * self.node.before;
+    }
+
+    /// The step ahead moves the end farther by this velocity, m/s, into the bar.
+    fn shift(&mut self, change: f64) {
+        let before = self.model.energy(self.displacement);
+        self.displacement += self.dt * change;
+        if self.model.stores() {
+            self.to_give += before - self.model.energy(self.displacement);
+        }
+    }
+
+    /// The mean stress at the face over the step ahead is this, Pa: what the next step takes over.
+    pub(super) fn carry(&mut self, stress: f64) {
+        self.impulses.correct(-self.face.area * stress);
     }
 
     /// The record shows this stress, Pa, at the current time.

@@ -105,6 +105,11 @@ impl Impulses {
         }
     }
 
+    /// The force of the latest step was this, N.
+    pub fn correct(&mut self, f: f64) {
+        self.forces[0] = f;
+    }
+
     /// Takes the force of a step in which the half node is the characteristic.
     pub fn take(&mut self, f: f64, cells: f64) -> f64 {
         *self = Self { forces: [f, self.forces[0], self.forces[1]], cells };

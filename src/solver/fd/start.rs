@@ -45,7 +45,8 @@ impl Leapfrog {
     pub fn starting_with(mut self, ends: &[EndCondition; 2], initial_fans: &[InitialFan], at_once: bool) -> Self {
         let sides = [Origin::Left, Origin::Right];
         for side in [0, 1] {
-            let fan = initial_fans.iter().find(|fan| fan.origin == sides[side] && fan.from == 0.0);
+            let is_whole = |fan: &&InitialFan| fan.from == 0.0 && fan.delays.is_empty();
+            let fan = initial_fans.iter().find(|fan| fan.origin == sides[side] && is_whole(fan));
             let state = fan.map_or_else(|| self.elastic_start(&ends[side], side, at_once), behind);
             if let Some(state) = state {
                 let end = if side == 0 { &mut self.left } else { &mut self.right };
@@ -102,7 +103,8 @@ impl Leapfrog {
         }
         let mut fan = StartingFan::new(initial_fan, c.cell_mass / c.cell_volume, &grid, RAMP)?;
         fan.only_origin = self.is_viscous(initial_fan);
-        (!fan.only_origin || fan.at_joint || fan.driver == Driver::Stress).then_some(fan)
+        let drives_alone = fan.at_joint || fan.driver == Driver::Stress && !fan.grows();
+        (!fan.only_origin || drives_alone).then_some(fan)
     }
 
     /// The artificial viscosity for shocks keeps the first cells from overshooting: it adds more than a part [`VISCOUS`] of the stress that the
@@ -120,7 +122,7 @@ impl Leapfrog {
         let step = self.step;
         for fan in fans.iter_mut().filter(|fan| fan.is_imposed_at(step)) {
             match (fan.at_joint, joint.take()) {
-                (false, _) if step == 0 => {}
+                (false, _) if step == 0 => self.start_growing(fan),
                 (false, _) => self.impose_at_end(fan),
                 // The fans of a joint follow each other, that of the left side first.
                 (true, Some(left)) => self.impose_at_joint(left, fan),
@@ -132,8 +134,18 @@ impl Leapfrog {
         self.fans = fans;
     }
 
+    /// An end moves from the start as a fan does that grows there, none of which has come to any other node.
+    fn start_growing(&mut self, fan: &StartingFan) {
+        let dt = self.grid.dt;
+        let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
+        if fan.grows() {
+            end.start_moving(fan.moved(dt) / dt);
+            end.carry(fan.means(0.0, 0.0, dt)[1]);
+        }
+    }
+
     fn impose_at_end(&mut self, fan: &mut StartingFan) {
-        let (step, dt) = (self.step, self.grid.dt);
+        let (step, time, dt) = (self.step, self.time() - fan.from, self.grid.dt);
         let end = if fan.side == 0 { &self.left } else { &self.right };
         if fan.driver == Driver::Body {
             fan.slowed = fan.velocity_behind - end.velocity_of_body();
@@ -145,13 +157,14 @@ impl Leapfrog {
             let change = if fan.only_origin {
                 fan.velocity_behind - end.velocity_after()
             } else {
-                fan.velocity_behind * (step + 1) as f64 - end.displacement_ahead() / dt
+                (fan.moved((step + 1) as f64 * dt) - end.displacement_ahead()) / dt
             };
             impulse += end.mass() * change;
             energy += end.impose(change);
+            end.carry(fan.means(0.0, time, dt)[1]);
         }
-        let [given, taken] = end.give(impulse, fan.velocity_behind);
-        end.show(fan.stress_at_origin());
+        let [given, taken] = end.give(impulse, fan.velocity_at_origin(time, dt));
+        end.show(fan.stress_at_origin(time, dt));
         energy += taken;
         if self.implicit.is_some() {
             self.share_edges();

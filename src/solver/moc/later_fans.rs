@@ -129,6 +129,7 @@ impl FrontTracking {
             driver: Driver::Velocity,
             alone: true,
             uniform_for: f64::INFINITY,
+            delays: Vec::new(),
         })
     }
 

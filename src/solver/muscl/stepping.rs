@@ -185,7 +185,11 @@ impl Muscl {
             let step = self.step;
             let here = |fan: &&mut StartingFan| !fan.at_joint && fan.side == side && fan.is_imposed_at(step);
             let fan = self.fans.iter_mut().find(here);
-            let flux = if let Some([velocity, stress]) = fan.as_ref().and_then(|fan| fan.starts_within(self.step, dt)) {
+            let known = |fan: &&mut StartingFan| {
+                let grows = || fan.grows().then(|| fan.means(0.0, time - fan.from, dt));
+                fan.starts_within(step, dt).or_else(grows)
+            };
+            let flux = if let Some([velocity, stress]) = fan.as_ref().and_then(known) {
                 self.ends[side].step_with(time, dt, Flux { stress, velocity })
             } else if let Some(fan) = fan {
                 let flux = self.ends[side].step_behind(time, dt, fan);

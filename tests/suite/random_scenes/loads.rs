@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use barwave::bar::EndCondition;
 use barwave::record::Summary;
 use barwave::run::run;
 use barwave::scene::Scene;
@@ -52,11 +51,6 @@ fn summary(spec: &Spec, method: Method, by: usize) -> Option<(Scene, Summary)> {
 fn loads(scene: &Scene, summary: &Summary) -> Loads {
     let mut loads = Loads::new();
     for group in &summary.figures.0 {
-        let end = end_at(scene, &group.path);
-        // See `a_stiff_spring_overshoots_on_a_grid`.
-        if matches!(end, Some(EndCondition::Spring { .. })) {
-            continue;
-        }
         for (kind, names) in KINDS.iter().enumerate() {
             let figure = |names: &[&str]| group.figures.iter().find(|figure| names.contains(&figure.name));
             // What is still growing at the end goes with its time, by a step.
@@ -71,16 +65,6 @@ fn loads(scene: &Scene, summary: &Summary) -> Loads {
     loads
 }
 
-/// What holds or drives the end at this path; none of a joint.
-fn end_at<'a>(scene: &'a Scene, path: &[String]) -> Option<&'a EndCondition> {
-    match path.first()?.as_str() {
-        "left" => Some(&scene.left),
-        "right" => Some(&scene.right),
-        _ => None,
-    }
-}
-
-/// The largest difference between the loads of two runs over what is allowed, and where.
 fn worst(a: &Loads, b: &Loads, segments: usize) -> (f64, String) {
     let mut worst = (0.0, String::new());
     for (place, kind, own) in a {

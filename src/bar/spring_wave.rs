@@ -1,0 +1,109 @@
+//! The wave that a stiff spring sends into a bar that moves against it. The force grows from nothing, F' = k v, while the end moves with v(F), which the
+//! curve tells as it does behind any wave of loading: along a line of the curve with the impedance z v falls as exp(-k t/z), until the end is at rest.
+
+use super::initial_fan::from_end;
+use super::{Bar, Driver, EndCondition, InitialFan, Origin};
+use crate::wave::similarity::{Edge, Fan};
+
+/// Time steps in which the force of a spring rises, Z/k with the impedance Z of the bar, from which on it overshoots by less than 0.5 % without any of
+/// this (annealed copper at 30 m/s).
+const MOST_STEPS: f64 = 100.0;
+
+/// Part of its velocity that an end may have left as the spring counts as fully loaded.
+const AT_REST: f64 = 1e-4;
+
+/// The waves of springs at the ends of a bar at t = 0 that rise within some steps of `dt` (s); none in a bar with an initial state.
+pub fn spring_waves(bar: &Bar, ends: [&EndCondition; 2], dt: f64) -> Vec<InitialFan> {
+    if bar.has_initial_state() {
+        return Vec::new();
+    }
+    let last = bar.segments.len() - 1;
+    let places = [(Origin::Left, 0.0, 0), (Origin::Right, bar.length(), last)];
+    let wave = |(end, (origin, x, segment)): (&EndCondition, (Origin, f64, usize))| {
+        let EndCondition::Spring { stiffness } = *end else { return None };
+        let at = &bar.segments[segment];
+        // Behind it the end is at rest, as behind the fan of a wall.
+        let stopped = from_end(&EndCondition::Fixed, origin, x, segment, at)?;
+        let mass_per_length = at.material.density * at.end_areas()[usize::from(origin == Origin::Right)];
+        let rises = |edge: &Edge| mass_per_length * edge.speed / stiffness;
+        let is_stiff = stopped.fan.edges.first().is_some_and(|edge| rises(edge) < MOST_STEPS * dt);
+        is_stiff.then(|| {
+            let (edges, delays) = in_steps(&stopped.fan, rises, dt);
+            let fan = Fan { edges, ..stopped.fan.clone() };
+            InitialFan { fan, delays, driver: Driver::Stress, sudden: false, ..stopped }
+        })
+    };
+    ends.into_iter().zip(places).filter_map(wave).collect()
+}
+
+/// The fronts of a fan, cut into what leaves the end within each step, and when that does in the mean, s: the end goes as far as with a velocity that falls
+/// all the time. That falls along a front within the time `rises`, s.
+fn in_steps(fan: &Fan, rises: impl Fn(&Edge) -> f64, dt: f64) -> (Vec<Edge>, Vec<f64>) {
+    let (mut edges, mut delays) = (Vec::new(), Vec::new());
+    let (mut time, mut velocity) = (0.0, fan.velocity);
+    for edge in &fan.edges {
+        let (begins, jump, rises) = (time, edge.velocity_jump(), rises(edge));
+        let left = (velocity - jump).max(AT_REST * fan.velocity);
+        let ends = begins + rises * (velocity / left).ln().max(0.0);
+        let (mut gone, mut step, last) = (0.0, (begins / dt).floor(), velocity - jump);
+        while gone < 1.0 {
+            step += 1.0;
+            let until = ends.min(step * dt);
+            let part = if until < ends { velocity * -(-(until - begins) / rises).exp_m1() / jump } else { 1.0 };
+            let (lost, left) = (jump * (part - gone), if part < 1.0 { velocity - jump * part } else { last });
+            let mean = if lost > 0.0 { rises - left.max(0.0) * (until - time) / lost } else { 0.0 };
+            edges.push(between(edge, gone, part));
+            delays.push(time + mean.clamp(0.0, rises));
+            (gone, time) = (part, until);
+        }
+        velocity = last;
+    }
+    (edges, delays)
+}
+
+/// A part of a front.
+fn between(edge: &Edge, from: f64, to: f64) -> Edge {
+    let at = |ahead: f64, behind: f64, part: f64| ahead + part * (behind - ahead);
+    Edge {
+        strain_ahead: at(edge.strain_ahead, edge.strain_behind, from),
+        strain_behind: at(edge.strain_ahead, edge.strain_behind, to),
+        stress_ahead: at(edge.stress_ahead, edge.stress_behind, from),
+        stress_behind: at(edge.stress_ahead, edge.stress_behind, to),
+        speed: edge.speed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Beyond, Curve};
+    use crate::wave::similarity::fan_at_velocity;
+
+    /// The spring's force is its stiffness times the way of the end, all the time, however stiff it is.
+    #[test]
+    fn the_end_goes_as_far_as_the_force_compresses_the_spring() {
+        let (density, area, dt) = (7850.0, 1e-4, 1e-7);
+        let curve = Curve::new(&[(0.0, 0.0), (1e-3, 200e6), (0.05, 1180e6)], Beyond::Extend).expect("a curve");
+        let fan = fan_at_velocity(&curve, density, 20.0);
+        for stiffness in [1e9, 2e10, 1e12] {
+            let (edges, delays) = in_steps(&fan, |edge| density * area * edge.speed / stiffness, dt);
+            assert!(edges.len() == delays.len() && delays.is_sorted(), "{delays:?}");
+            let lost = |edge: &Edge| edge.velocity_jump();
+            assert!((edges.iter().map(lost).sum::<f64>() / 20.0 - 1.0).abs() < 1e-12);
+            let way = |time: f64| {
+                let back = |(edge, delay): (&Edge, &f64)| lost(edge) * (time - delay).max(0.0);
+                20.0 * time - edges.iter().zip(&delays).map(back).sum::<f64>()
+            };
+            let whole = area * fan.stress / stiffness;
+            for step in 1..2000 {
+                let time = f64::from(step) * dt;
+                // What has left the end by the end of a step.
+                let stress =
+                    edges.iter().zip(&delays).rev().find(|(_, delay)| **delay < time).expect("a front").0.stress_behind;
+                let error = (way(time) - area * stress / stiffness) / whole;
+                assert!(error.abs() < 1e-3, "{stiffness:e} N/m, step {step}: {error:e}");
+            }
+            assert!((way(1e-3) / whole - 1.0).abs() < 1e-9, "{stiffness:e}");
+        }
+    }
+}

@@ -6,7 +6,7 @@ mod sudden_fans;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, EndCondition, InitialFan, Segment, SuddenLoads, first_fans, spring_waves};
+use crate::bar::{Bar, EndCondition, InitialFan, Segment, SuddenLoads, first_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -89,8 +89,8 @@ fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialF
         (false, false) => Vec::new(),
     };
     let sudden = sudden_loads(scene, &fans, grid, 1.0);
-    if follows_curves(scene) && along.is_nothing() {
-        fans.extend(spring_waves(&scene.bar, [&scene.left, &scene.right], grid.dt));
+    if along.is_nothing() {
+        fans.extend(sudden_fans::at_springs(scene, grid, sudden_fans::LATE_IN_LEAPFROG));
     }
     (fans, sudden)
 }
@@ -113,7 +113,7 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
     let mut fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_MUSCL);
     let sudden = sudden_loads(scene, &fans, &grid, 1.0);
-    fans.extend(spring_waves(&scene.bar, [&scene.left, &scene.right], grid.dt));
+    fans.extend(sudden_fans::at_springs(scene, &grid, sudden_fans::LATE_IN_MUSCL));
     let ends = [scene.left.clone(), scene.right.clone()];
     let bar = Muscl::new(&scene.bar, grid, laws, media, ends);
     let bar = if follows_curves(scene) { bar.starting_with(&fans) } else { bar };

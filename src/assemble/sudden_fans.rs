@@ -2,7 +2,8 @@
 
 use super::front_tracking;
 use crate::bar::{
-    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, drives_at_start, same_section, same_state,
+    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, at_spring, drives_at_start, same_section,
+    same_state, spring_waves,
 };
 use crate::law::Table;
 use crate::material::Sense;
@@ -83,6 +84,42 @@ pub(super) fn beside_forces(scene: &Scene, grid: &Grid, along: &DistributedForce
         fan.holds_until = times.into_iter().fold(fan.holds_until, f64::min);
     }
     fans
+}
+
+/// The waves of stiff springs: those of a bar that moves against one at t = 0, and those that the first wave of a bar at rest brings about.
+pub(super) fn at_springs(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
+    let ends = [&scene.left, &scene.right];
+    if !super::follows_curves(scene) || !ends.iter().any(|end| matches!(end, EndCondition::Spring { .. })) {
+        return Vec::new();
+    }
+    let mut waves = spring_waves(&scene.bar, ends, grid.dt);
+    if waves.is_empty() && can_be_tracked(scene) && is_uniform(scene) {
+        waves = when_waves_arrive(scene, grid, late);
+    }
+    waves
+}
+
+/// Part of the stress of a wave by which it may differ from one that comes to a place at rest.
+const FIRST: f64 = 1e-9;
+
+/// The waves of springs that the first wave brings about: a wall would send the same fronts, but for the first.
+fn when_waves_arrive(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
+    let mut held = super::as_stepped(scene, grid);
+    for end in [&mut held.left, &mut held.right] {
+        if matches!(end, EndCondition::Spring { .. }) {
+            *end = EndCondition::Fixed;
+        }
+    }
+    let settings = Settings { event_budget: super::EVENTS, front_segments: true, ..Settings::default() };
+    let at_walls = front_tracking(&held, settings).later_fans(scene.solve.until);
+    let wave = |wall: &InitialFan| {
+        let (end, at) = (end_at(scene, wall.origin)?, &scene.bar.segments[wall.segment]);
+        let came = at.material.impedance() * wall.velocity_ahead;
+        let is_first = (wall.stress_ahead() - wall.direction * came).abs() <= FIRST * came.abs();
+        let [wall] = &after_start(std::slice::from_ref(wall), &held, grid, late)?[..] else { return None };
+        (is_first && at.velocity == 0.0 && wall.from > 0.0).then(|| at_spring(wall, end, at, grid.dt)).flatten()
+    };
+    at_walls.iter().filter_map(wave).collect()
 }
 
 /// The fans of an end or a joint of halves in the segments of the bar; none of one between the halves of a segment.

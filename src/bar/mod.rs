@@ -22,7 +22,7 @@ pub use initial::{Distribution, Initial, InitialProfile};
 pub use initial_fan::{Driver, InitialFan, Origin, START_CELLS, first_fans, initial_fans};
 pub(crate) use initial_fan::{acts_without_fan, drives_at_start};
 pub use joint::Joint;
-pub use spring_wave::spring_waves;
+pub use spring_wave::{at_spring, spring_waves};
 pub use sudden_load::SuddenLoad;
 pub use sudden_loads::SuddenLoads;
 pub use taper::{Profile, Taper};

@@ -1,8 +1,9 @@
-//! The wave that a stiff spring sends into a bar that moves against it. The force grows from nothing, F' = k v, while the end moves with v(F), which the
-//! curve tells as it does behind any wave of loading: along a line of the curve with the impedance z v falls as exp(-k t/z), until the end is at rest.
+//! The wave that a stiff spring sends into a bar that moves against it. The force grows from nothing, F' = k v, while the end moves with the velocity
+//! v(F), which follows from the curve as behind any wave of loading: along a line of the curve, of impedance z, v falls as exp(-k t/z), until the end is
+//! at rest.
 
 use super::initial_fan::from_end;
-use super::{Bar, Driver, EndCondition, InitialFan, Origin};
+use super::{Bar, Driver, EndCondition, InitialFan, Origin, Segment};
 use crate::wave::similarity::{Edge, Fan};
 
 /// Time steps in which the force of a spring rises, Z/k with the impedance Z of the bar, from which on it overshoots by less than 0.5 % without any of
@@ -20,20 +21,32 @@ pub fn spring_waves(bar: &Bar, ends: [&EndCondition; 2], dt: f64) -> Vec<Initial
     let last = bar.segments.len() - 1;
     let places = [(Origin::Left, 0.0, 0), (Origin::Right, bar.length(), last)];
     let wave = |(end, (origin, x, segment)): (&EndCondition, (Origin, f64, usize))| {
-        let EndCondition::Spring { stiffness } = *end else { return None };
         let at = &bar.segments[segment];
         // Behind it the end is at rest, as behind the fan of a wall.
-        let stopped = from_end(&EndCondition::Fixed, origin, x, segment, at)?;
-        let mass_per_length = at.material.density * at.end_areas()[usize::from(origin == Origin::Right)];
-        let rises = |edge: &Edge| mass_per_length * edge.speed / stiffness;
-        let is_stiff = stopped.fan.edges.first().is_some_and(|edge| rises(edge) < MOST_STEPS * dt);
-        is_stiff.then(|| {
-            let (edges, delays) = in_steps(&stopped.fan, rises, dt);
-            let fan = Fan { edges, ..stopped.fan.clone() };
-            InitialFan { fan, delays, driver: Driver::Stress, sudden: false, ..stopped }
-        })
+        from_end(&EndCondition::Fixed, origin, x, segment, at).and_then(|wall| at_spring(&wall, end, at, dt))
     };
     ends.into_iter().zip(places).filter_map(wave).collect()
+}
+
+/// The wave at the end of a segment, in steps of `dt` (s), if that is a spring, stiff and at rest so far, where a wall would send this fan. It has the
+/// same states, but begins without a force.
+pub fn at_spring(wall: &InitialFan, end: &EndCondition, at: &Segment, dt: f64) -> Option<InitialFan> {
+    let EndCondition::Spring { stiffness } = *end else { return None };
+    let mass_per_length = at.material.density * at.end_areas()[usize::from(wall.direction < 0.0)];
+    let rises = |edge: &Edge| mass_per_length * edge.speed / stiffness;
+    let mut whole = wall.fan.clone();
+    let first = whole.edges.first_mut().filter(|edge| rises(edge) < MOST_STEPS * dt)?;
+    let thrown_back = Edge { stress_behind: 0.0, strain_behind: 0.0, ..*first };
+    let is_stressed = first.stress_ahead != 0.0;
+    (first.stress_ahead, first.strain_ahead) = (0.0, 0.0);
+    whole.velocity -= thrown_back.velocity_jump();
+    let (mut edges, mut delays) = in_steps(&whole, rises, dt);
+    if is_stressed {
+        edges.insert(0, thrown_back);
+        delays.insert(0, 0.0);
+    }
+    let fan = Fan { edges, ..wall.fan.clone() };
+    Some(InitialFan { fan, delays, driver: Driver::Stress, sudden: false, ..wall.clone() })
 }
 
 /// The fronts of a fan, cut into what leaves the end within each step, and when that does in the mean, s: the end goes as far as with a velocity that falls

@@ -218,7 +218,8 @@ impl StartingFan {
 
     /// Stress at its origin at a time, Pa: behind its fronts that have left, less what the bar is unloaded there.
     pub fn stress_at_origin(&self, time: f64, dt: f64) -> f64 {
-        if self.grows() { self.means(0.0, time - 0.5 * dt, dt)[1] } else { self.unloaded_stress() }
+        let from = (time - 0.5 * dt).max(0.0);
+        if self.grows() { self.means(0.0, from, time + 0.5 * dt - from)[1] } else { self.unloaded_stress() }
     }
 
     /// Stress behind it, less what the bar is unloaded there, Pa.

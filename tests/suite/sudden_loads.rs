@@ -339,35 +339,33 @@ fn largest_stress(scene: &Scene) -> f64 {
     right.stress.iter().fold(0.0, |most: f64, stress| most.max(stress.abs()))
 }
 
-/// A known miss, as docs/guide/methods.md states it: a wave that makes the bar yield as a stiff spring throws it back starts no wave of the spring.
+/// Likewise where a wave comes to the spring first. The plastic strain was up to 33 % too large by leapfrog, and the force up to 19 %.
 #[test]
-fn a_stiff_spring_that_a_wave_comes_to_overshoots_on_a_grid() {
-    let scene = format!(
-        "[bar]\nlength = 0.5\narea = \"1 cm^2\"\nmaterial = {BILINEAR}\n[left]\nkind = \"velocity\"\nvalue = 4.5\n[right]\nkind = \
-         \"spring\"\nstiffness = 3e9\n"
-    );
-    let of = |solve: &str| {
-        ["/figures/right/peak_force_N", "/figures/largest_plastic_strain"]
-            .map(|name| figure(&scene, "180 us", solve, name))
-    };
-    let exact = of("method = \"moc\"\nfront-tolerance = 1e-3");
-    let expected = [
-        ("leapfrog", 200, [0.096, 0.334]),
-        ("leapfrog", 1000, [0.004, 0.207]),
-        ("leapfrog", 4000, [0.0, 0.0]),
-        ("muscl", 200, [0.032, 0.001]),
-        ("muscl", 1000, [0.0, 0.007]),
-    ];
-    for (scheme, cells, expected) in expected {
-        let found = of(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}"));
-        for ((found, exact), expected) in found.iter().zip(&exact).zip(expected) {
-            let error = found / exact - 1.0;
-            assert!((error - expected).abs() < 0.005, "{scheme}, {cells} cells: {error}");
+fn a_stiff_spring_starts_its_wave_as_another_one_comes_to_it() {
+    for (stiffness, cells) in [(3e9, 200), (3e9, 1000), (3e9, 4000), (1e10, 200), (1e9, 1000)] {
+        let spring = format!("kind = \"spring\"\nstiffness = {stiffness:e}\n");
+        let driven = |velocity: f64| format!("kind = \"velocity\"\nvalue = {velocity}\n");
+        for (left, right, end) in [(driven(4.5), spring.clone(), "right"), (spring.clone(), driven(4.5), "left")] {
+            let scene = format!(
+                "[bar]\nlength = 0.5\narea = \"1 cm^2\"\nmaterial = {BILINEAR}\n[left]\n{left}[right]\n{right}"
+            );
+            let of = |solve: &str| {
+                [&format!("/figures/{end}/peak_force_N"), "/figures/largest_plastic_strain"]
+                    .map(|name| figure(&scene, "180 us", solve, name))
+            };
+            let exact = of("method = \"moc\"\nfront-tolerance = 1e-3");
+            for scheme in ["leapfrog", "muscl"] {
+                let found = of(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}"));
+                for ((found, exact), most) in found.iter().zip(&exact).zip([2e-4, 0.01]) {
+                    let error = found / exact - 1.0;
+                    assert!(error.abs() < most, "{stiffness:e} N/m at the {end}, {scheme}, {cells} cells: {error:e}");
+                }
+            }
         }
     }
 }
 
-/// A known miss, likewise: the wave of a joint that yields comes back to it, and the overshoot of one or two steps travels on along the elastic bar.
+/// A known miss, as docs/guide/methods.md states it: the wave of a joint that yields comes back to it, and the overshoot of one or two steps travels on along the elastic bar.
 #[test]
 fn a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end() {
     let hard = "{ density = 4900, modulus = \"200 GPa\", beyond = \"extend\", curve = { table = [[1.64e-3, \"328 MPa\"], [1.886e-2, \"1016.8 MPa\"]] } }";

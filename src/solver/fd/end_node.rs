@@ -337,7 +337,7 @@ impl EndNode {
         self.work_on_node += impulse * self.node.before;
     }
 
-    /// The step ahead moves the end farther by this velocity, m/s, into the bar.
+    /// The end moves faster by this in the step ahead, m/s, into the bar: a spring gives that work.
     fn shift(&mut self, change: f64) {
         let before = self.model.energy(self.displacement);
         self.displacement += self.dt * change;

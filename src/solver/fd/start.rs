@@ -145,7 +145,7 @@ impl Leapfrog {
     }
 
     fn impose_at_end(&mut self, fan: &mut StartingFan) {
-        let (step, time, dt) = (self.step, self.time() - fan.from, self.grid.dt);
+        let (time, dt) = (self.time() - fan.from, self.grid.dt);
         let end = if fan.side == 0 { &self.left } else { &self.right };
         if fan.driver == Driver::Body {
             fan.slowed = fan.velocity_behind - end.velocity_of_body();
@@ -157,7 +157,7 @@ impl Leapfrog {
             let change = if fan.only_origin {
                 fan.velocity_behind - end.velocity_after()
             } else {
-                (fan.moved((step + 1) as f64 * dt) - end.displacement_ahead()) / dt
+                (fan.moved(time + dt) - end.displacement_ahead()) / dt
             };
             impulse += end.mass() * change;
             energy += end.impose(change);

@@ -55,7 +55,8 @@ pub(super) fn at_ends_of_segments(scene: &Scene, settings: Settings) -> Vec<Init
     let halves = in_halves(scene);
     // None of the waves from the middles of segments has come anywhere yet.
     let shortest = halves.bar.transit_times().into_iter().fold(f64::INFINITY, f64::min);
-    let fans = front_tracking(&halves, settings).later_fans(HARDLY_STARTED * shortest);
+    let mut fans = front_tracking(&halves, settings).later_fans(HARDLY_STARTED * shortest);
+    fans.retain(|fan| fan.from == 0.0);
     let of_one = fans.chunk_by(|a, b| a.origin == b.origin);
     of_one.filter_map(|fans| in_whole_segments(&at_start(fans, &halves)?, &scene.bar)).flatten().collect()
 }

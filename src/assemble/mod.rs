@@ -120,22 +120,18 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     bar.under_sudden_loads(sudden)
 }
 
-/// Events in which front tracking looks for fans that start later.
-const EVENTS: u64 = 1000;
-
 /// The fans that ends and joints start with, and those that start there later.
 fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let first = first_fans(&scene.bar, &scene.left, &scene.right);
     if !follows_curves(scene) || !sudden_fans::can_be_tracked(scene) {
         return first;
     }
-    let settings = Settings { event_budget: EVENTS, front_segments: true, ..Settings::default() };
     if !sudden_fans::is_uniform(scene) {
         let stressed = scene.bar.has_initial_state();
-        return if stressed { sudden_fans::at_ends_of_segments(scene, settings) } else { first };
+        return if stressed { sudden_fans::at_ends_of_segments(scene) } else { first };
     }
     let stepped = as_stepped(scene, grid);
-    let later = front_tracking(&stepped, settings).later_fans(scene.solve.until);
+    let later = sudden_fans::tracked(&stepped, scene.solve.until);
     sudden_fans::with_later(first, &later, &stepped, (grid, late))
 }
 

@@ -20,11 +20,20 @@ pub(super) const LATE_IN_MUSCL: f64 = 0.05;
 /// joint was 27 % too large in the first step without a fan, and none was with it.
 const SHAPED: f64 = 0.25;
 
+/// Events in which front tracking looks for fans.
+const EVENTS: u64 = 1000;
+
 /// Part of the time in which a wave crosses half a segment.
 const HARDLY_STARTED: f64 = 0.1;
 
 /// Times in a step that are told apart: what is left of rounding would tell a bar from its mirror image.
 const TIMES_IN_STEP: f64 = (1_u64 << 36) as f64;
+
+/// The fans that front tracking finds in a scene up to a time, s.
+pub(super) fn tracked(scene: &Scene, until: f64) -> Vec<InitialFan> {
+    let settings = Settings { event_budget: EVENTS, front_segments: true, ..Settings::default() };
+    front_tracking(scene, settings).later_fans(until)
+}
 
 /// The `first` fans and those of the `later` ones, in order of time, that are as sharp on the grid.
 pub(super) fn with_later(
@@ -51,11 +60,11 @@ pub(super) fn with_later(
 }
 
 /// Those with which ends and joints of a bar with an initial state start, whatever the bar is like further in.
-pub(super) fn at_ends_of_segments(scene: &Scene, settings: Settings) -> Vec<InitialFan> {
+pub(super) fn at_ends_of_segments(scene: &Scene) -> Vec<InitialFan> {
     let halves = in_halves(scene);
     // None of the waves from the middles of segments has come anywhere yet.
     let shortest = halves.bar.transit_times().into_iter().fold(f64::INFINITY, f64::min);
-    let mut fans = front_tracking(&halves, settings).later_fans(HARDLY_STARTED * shortest);
+    let mut fans = tracked(&halves, HARDLY_STARTED * shortest);
     fans.retain(|fan| fan.from == 0.0);
     let of_one = fans.chunk_by(|a, b| a.origin == b.origin);
     of_one.filter_map(|fans| in_whole_segments(&at_start(fans, &halves)?, &scene.bar)).flatten().collect()
@@ -111,8 +120,6 @@ fn when_waves_arrive(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
             *end = EndCondition::Fixed;
         }
     }
-    let settings = Settings { event_budget: super::EVENTS, front_segments: true, ..Settings::default() };
-    let at_walls = front_tracking(&held, settings).later_fans(scene.solve.until);
     let wave = |wall: &InitialFan| {
         let (end, at) = (end_at(scene, wall.origin)?, &scene.bar.segments[wall.segment]);
         let came = at.material.impedance() * wall.velocity_ahead;
@@ -120,7 +127,7 @@ fn when_waves_arrive(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
         let [wall] = &after_start(std::slice::from_ref(wall), &held, grid, late)?[..] else { return None };
         (is_first && at.velocity == 0.0 && wall.from > 0.0).then(|| at_spring(wall, end, at, grid.dt)).flatten()
     };
-    at_walls.iter().filter_map(wave).collect()
+    tracked(&held, scene.solve.until).iter().filter_map(wave).collect()
 }
 
 /// The fans of an end or a joint of halves in the segments of the bar; none of one between the halves of a segment.

@@ -1,4 +1,4 @@
-//! The wave that a stiff spring sends into a bar that moves against it. The force grows from nothing, F' = k v, while the end moves with the velocity
+//! The wave that a stiff spring sends into a bar that moves against it, or is brought to it by a wave. The force grows from nothing, F' = k v, while the end moves with the velocity
 //! v(F), which follows from the curve as behind any wave of loading: along a line of the curve, of impedance z, v falls as exp(-k t/z), until the end is
 //! at rest.
 

@@ -85,6 +85,7 @@ impl FrontTracking {
         // A state off its curve means nothing where the curve is all the law: there only waves that follow each other
         // directly, along one line of the curve, can become one.
         let across = medium.flow != Flow::PathIndependent;
+        let elastic = scratch.pieces[start..end].iter().all(|piece| piece.plastic == 0.0 && piece.accumulated == 0.0);
         scratch.kind.clear();
         scratch.kind.extend((start + 1..end).filter_map(|i| scratch.wave[i].map(|speed| (speed, i))));
         scratch.kind.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -97,7 +98,7 @@ impl FrontTracking {
             while first < last {
                 let next = if across { last } else { first + neighbours(&scratch.kind[first..last]) };
                 if next - first > 2 {
-                    scratch.collect(first, next, segment);
+                    scratch.collect(first, next, segment, elastic);
                 }
                 first = next;
             }

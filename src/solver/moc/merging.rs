@@ -20,6 +20,14 @@ const ALLOWANCE: f64 = 5.0;
 /// begin, so that a merge changes little whatever it does to their stress. Hence the bound on the stress itself.
 const TRIFLE: f64 = 0.25;
 
+/// A wave is a jump that changes the stress by more than this part of the stress scale, and by more than this many front tolerances of it. Where nothing
+/// has flowed, the states on both sides of a jump change by no more than [`AT_JUMP`] squared tolerances: largest stresses are behind jumps, and the
+/// mean of a wave that decays behind one is less than its largest stress by some tolerances. (Where plastic waves run to and fro, jumps multiply, and
+/// so would what is kept beside them.)
+const JUMP: f64 = 0.05;
+const JUMP_TOLERANCES: f64 = 8.0;
+const AT_JUMP: f64 = 0.02;
+
 /// Below this many nodes merging waits for events: a passage costs more than the few events that it could save.
 const FEWEST: usize = 64;
 
@@ -45,6 +53,9 @@ pub(super) struct FrontMerging {
     tolerance: f64,
     /// How far a trifle may take a point past its yield stress, Pa.
     overstress: f64,
+    /// Least change of a jump, Pa, and largest one of the states beside it.
+    jump: f64,
+    kept: f64,
     /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale.
     secant: Vec<f64>,
     due_at_nodes: usize,
@@ -79,6 +90,8 @@ struct Step {
     /// Height above the piece before the first node of its kind.
     height: Point,
     segment: usize,
+    /// Nothing has flowed around it.
+    elastic: bool,
     /// The steps to its left and right that are next to it; `NONE` where there is none.
     sides: [usize; 2],
     merged: bool,
@@ -136,6 +149,8 @@ impl FrontMerging {
     pub fn relate_to(&mut self, stress_scale: f64, media: &[Medium], length: f64) {
         self.allowance = ALLOWANCE * self.tolerance * self.tolerance * stress_scale * length;
         self.overstress = self.tolerance * stress_scale;
+        self.jump = stress_scale * JUMP.max(JUMP_TOLERANCES * self.tolerance);
+        self.kept = AT_JUMP * self.tolerance * self.overstress;
         self.secant = media.iter().map(|m| secant(m, stress_scale)).collect();
     }
 
@@ -175,8 +190,8 @@ impl Scratch {
         self.gone.clear();
     }
 
-    /// Adds the steps between the nodes `kind[from..to]`, all of one kind.
-    pub fn collect(&mut self, from: usize, to: usize, segment: usize) {
+    /// Adds the steps between the nodes `kind[from..to]`, all of one kind; `elastic`: nothing has flowed between the borders around them.
+    pub fn collect(&mut self, from: usize, to: usize, segment: usize, elastic: bool) {
         let start = self.steps.len();
         let mut height = Point::default();
         for pair in self.kind[from..to].windows(2) {
@@ -185,7 +200,7 @@ impl Scratch {
             let length = (self.x[last] - self.x[first]).max(0.0);
             let k = self.steps.len();
             let sides = [if k > start { k - 1 } else { NONE }, k + 1];
-            self.steps.push(Step { first, last, length, height, segment, sides, merged: false });
+            self.steps.push(Step { first, last, length, height, segment, elastic, sides, merged: false });
         }
         if let [.., last] = &mut self.steps[start..] {
             last.sides[1] = NONE;
@@ -280,18 +295,46 @@ impl FrontMerging {
 
     /// Notes two steps that may become one.
     fn consider(&self, steps: [usize; 2], scratch: &mut Scratch, media: &[Medium]) {
-        if steps.contains(&NONE) {
-            return;
+        if !steps.contains(&NONE) {
+            let pair = self.pair(steps, scratch, media);
+            scratch.pairs.extend(pair.map(Reverse));
         }
-        let [a, b] = steps.map(|k| scratch.steps[k]);
-        let distance = self.distance(&a.height, &b.height, &media[a.segment], a.segment);
-        let change = distance * 2.0 * a.length * share(&a, &b);
-        if change <= self.allowance {
-            let change = if change < NO_CHANGE * self.allowance { 0.0 } else { change };
-            let beyond_middle = scratch.x[b.first] - 0.5 * (scratch.x[0] + scratch.x[scratch.x.len() - 1]);
-            let outwards = scratch.wave[b.first].map_or(0.0, |speed| speed * beyond_middle.signum());
-            scratch.pairs.push(Reverse(Pair { change, from_middle: beyond_middle.abs(), outwards, steps }));
+    }
+
+    /// Two steps and what changes if they become one; none where that is more than allowed.
+    fn pair(&self, steps: [usize; 2], scratch: &Scratch, media: &[Medium]) -> Option<Pair> {
+        let [a, b] = steps.map(|k| &scratch.steps[k]);
+        let medium = &media[a.segment];
+        let (distance, share) = (self.distance(&a.height, &b.height, medium, a.segment), share(a, b));
+        let change = distance * 2.0 * a.length * share;
+        if change > self.allowance || a.elastic && self.blunts([a, b], distance, share, scratch, medium) {
+            return None;
         }
+        let change = if change < NO_CHANGE * self.allowance { 0.0 } else { change };
+        let beyond_middle = scratch.x[b.first] - 0.5 * (scratch.x[0] + scratch.x[scratch.x.len() - 1]);
+        let outwards = scratch.wave[b.first].map_or(0.0, |speed| speed * beyond_middle.signum());
+        Some(Pair { change, from_middle: beyond_middle.abs(), outwards, steps })
+    }
+
+    /// A mean of two steps, of which the second is `share` of both, would change the height of one beside a jump: of a wave that decays behind the jump,
+    /// not of a short pulse between two.
+    fn blunts(&self, [a, b]: [&Step; 2], distance: f64, share: f64, scratch: &Scratch, medium: &Medium) -> bool {
+        let between = distance > self.jump;
+        let blunted = |step: &Step, side: usize, share: f64| {
+            share * distance > self.kept && (self.beside(step, side, scratch, medium) > self.jump) != between
+        };
+        blunted(a, 0, share) || blunted(b, 1, 1.0 - share)
+    }
+
+    /// How far the height on the other side of a step's first (0) or last (1) node is from its own, Pa.
+    fn beside(&self, step: &Step, side: usize, scratch: &Scratch, medium: &Medium) -> f64 {
+        let (node, neighbour) = ([step.first, step.last][side], step.sides[side]);
+        let heights = if neighbour == NONE {
+            [&scratch.pieces[node - 1], &scratch.pieces[node]]
+        } else {
+            [&step.height, &scratch.steps[neighbour].height]
+        };
+        self.distance(heights[0], heights[1], medium, step.segment)
     }
 
     /// How far two heights are apart, Pa: in stress, in the stress of an elastic wave of that velocity, or in the stress

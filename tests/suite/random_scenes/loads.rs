@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use barwave::record::Summary;
-use barwave::run::run;
+use barwave::record::{Summary, Trace};
+use barwave::run::{run, solve};
 use barwave::scene::Scene;
 
 use super::checks::{Failure, RESOLVED, driven_beyond, figures_of};
@@ -28,6 +28,9 @@ const KINDS: [&[&str]; 3] = [&["peak_force", "peak_stress"], &["impulse", "impul
 
 /// Part of the run after which peaks are not compared.
 const ENDS: f64 = 0.95;
+/// Part of the largest force below which that of a light striker stays for long: the time under more than that agrees, though the one of contact does
+/// not, since grids touch there in some steps only.
+const PRESSES: f64 = 1e-3;
 /// Loads that are none: N or Pa, N s, and parts of the time of the run. Of an end that nothing has come to rounding is left, which may touch it.
 const ROUNDING: [f64; 3] = [1e-3, 1e-6, 0.01];
 
@@ -36,6 +39,37 @@ type Loads = Vec<(Vec<String>, usize, f64)>;
 
 /// The run by a method with `by` times as many cells; none where it does not come to its end.
 fn summary(spec: &Spec, method: Method, by: usize) -> Option<(Scene, Summary)> {
+    let scene = scene(spec, method, by)?;
+    let summary = run(&scene, None, &mut |_| ControlFlow::Continue(())).ok()?;
+    Some((scene, summary))
+}
+
+/// The loads of the run with finer cells; and the same with times under [`PRESSES`] of the largest force for those of contact at ends.
+fn finer(spec: &Spec, method: Method) -> Option<[Loads; 2]> {
+    let scene = scene(spec, method, FINER)?;
+    let solution = solve(&scene, &mut |_| ControlFlow::Continue(())).ok()?;
+    let all = loads(&scene, &solution.summary);
+    let mut pressed = all.clone();
+    for (place, kind, time) in &mut pressed {
+        let end = ["left", "right"].iter().position(|end| place[..] == [*end]);
+        if let Some(end) = end.filter(|_| *kind == 2) {
+            *time = time_pressed(&solution.ends[end]) / scene.solve.until;
+        }
+    }
+    Some([all, pressed])
+}
+
+/// Time under more than [`PRESSES`] of the largest force, s.
+fn time_pressed(Trace { time, stress, .. }: &Trace) -> f64 {
+    let largest = stress.iter().fold(0.0, |largest: f64, stress| largest.max(-stress));
+    let steps = time.windows(2).zip(stress.windows(2));
+    steps
+        .filter(|(_, stress)| -0.5 * (stress[0] + stress[1]) > PRESSES * largest)
+        .map(|(time, _)| time[1] - time[0])
+        .sum()
+}
+
+fn scene(spec: &Spec, method: Method, by: usize) -> Option<Scene> {
     let cells = by * CELLS.div_ceil(spec.cells);
     let tolerance = FRONT_TOLERANCE / by as f64;
     // At smaller Courant numbers leapfrog rings behind sharp elastic waves, by a quarter of them.
@@ -43,9 +77,7 @@ fn summary(spec: &Spec, method: Method, by: usize) -> Option<(Scene, Summary)> {
     let tracks = method == Method::Moc && !spec.has_effect("rate");
     let text = spec.text(method, if tracks { 1 } else { cells });
     let text = text.replace(&format!("max-events = {MAX_EVENTS}"), &format!("max-events = {EVENTS}"));
-    let scene = Scene::parse("loads.toml", &text, Path::new("."), &[]).ok()?;
-    let summary = run(&scene, None, &mut |_| ControlFlow::Continue(())).ok()?;
-    Some((scene, summary))
+    Scene::parse("loads.toml", &text, Path::new("."), &[]).ok()
 }
 
 fn loads(scene: &Scene, summary: &Summary) -> Loads {
@@ -106,9 +138,10 @@ pub fn disagree(spec: &Spec) -> Vec<(Method, Failure)> {
         if size <= 1.0 {
             continue;
         }
-        let finer = [a.0, b.0].map(|method| summary(spec, method, FINER));
-        let [Some(finer_a), Some(finer_b)] = finer else { continue };
-        let (finer, place) = worst(&loads(&finer_a.0, &finer_a.1), &loads(&finer_b.0, &finer_b.1), spec.segments.len());
+        let [Some(finer_a), Some(finer_b)] = [a.0, b.0].map(|method| finer(spec, method)) else { continue };
+        let pairs = finer_a.iter().zip(&finer_b);
+        let least = pairs.map(|(a, b)| worst(a, b, spec.segments.len())).min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((finer, place)) = least else { continue };
         if finer > 1.0 && finer > FALLS * size {
             failures.push((b.0, Failure::new("methods disagree on a load", format!("{place}; {:?}", a.0))));
         }

@@ -348,6 +348,7 @@ impl Block {
         outside: [Beside; 2],
         scratch: &'a mut Scratch,
     ) -> Option<&'a [f64]> {
+        self.widen();
         let Scratch { work, gaps, .. } = scratch;
         let (cells, active, v) = (self.sigma.len(), self.active.clone(), &self.v);
         let (at_left, at_right) = (active.start == 0, active.end == cells);
@@ -370,7 +371,7 @@ impl Block {
         if gaps.are_smooth(flow, *filter) {
             return None;
         }
-        // Cells at rest hand nothing over: they do not flow, and beyond the first one nothing alternates.
+        // Cells at rest hand nothing over: their nodes move alike.
         let impulses = &mut work.0[..cells];
         if !at_left {
             impulses[active.start - 1] = 0.0;

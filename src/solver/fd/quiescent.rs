@@ -65,7 +65,7 @@ impl Block {
     }
 
     /// Activates the pieces next to the active ones if the node between has moved: a signal comes no farther in a step.
-    fn widen(&mut self) {
+    pub fn widen(&mut self) {
         let (Range { start, end }, cells) = (self.active.clone(), self.sigma.len());
         if start > 0 && self.v[start] != self.v[start - 1] {
             self.active.start -= CHUNK;

@@ -110,7 +110,7 @@ impl Frame {
         }
         let middle = self.plot.y + self.plot.height / 2.0;
         drawing.upright((self.plot.right() + widest + 26.0, middle), LABEL, &self.y.full_label(power));
-        drawing.rect(self.plot, "none", Some(&stroke));
+        drawing.outline(self.plot, &stroke);
     }
 }
 

@@ -140,7 +140,7 @@ fn grid(drawing: &mut Drawing, frame: &Frame, measure: &str) {
         drawing.line((PLOT.x, frame.bottom()), (PLOT.right(), frame.bottom()), &Stroke::new("#888", 0.8).dashed("2 3"));
         drawing.text((PLOT.x - 8.0, PLOT.bottom() - 0.5 * STRIP + 4.0), SMALL, Anchor::End, "below");
     }
-    drawing.rect(PLOT, "none", Some(&dark));
+    drawing.outline(PLOT, &dark);
     drawing.text(
         (PLOT.x + 0.5 * PLOT.width, PLOT.bottom() + 40.0),
         NORMAL,

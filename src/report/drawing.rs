@@ -162,6 +162,11 @@ impl Drawing {
         self.shape(Shape::Rect(area), Some(fill), stroke, Note::Nothing);
     }
 
+    /// The border of an area.
+    pub fn outline(&mut self, area: Area, stroke: &Stroke) {
+        self.shape(Shape::Rect(area), None, Some(stroke), Note::Nothing);
+    }
+
     /// The border of a plot, with the attributes that tell a script what its pixels mean.
     pub fn frame(&mut self, area: Area, stroke: &Stroke, attributes: String) {
         self.shape(Shape::Rect(area), None, Some(stroke), Note::Attributes(attributes));
@@ -194,8 +199,7 @@ impl Drawing {
     }
 
     fn shape(&mut self, shape: Shape, fill: Option<&str>, stroke: Option<&Stroke>, note: Note) {
-        let fill = fill.filter(|fill| *fill != "none").map(Into::into);
-        self.elements.push(Element::Shape { shape, fill, stroke: stroke.cloned(), note });
+        self.elements.push(Element::Shape { shape, fill: fill.map(Into::into), stroke: stroke.cloned(), note });
     }
 
     pub fn text(&mut self, at: (f64, f64), size: f64, anchor: Anchor, text: &str) {

@@ -201,6 +201,11 @@ impl Block {
         self.stage != Stage::Plastic
     }
 
+    /// Some of its cells flowed in the latest step.
+    pub fn flows(&self) -> bool {
+        self.is_plastic() && self.steps_without_flow == 0
+    }
+
     /// Some of its cells have flowed in the latest steps.
     pub fn flowed_lately(&self) -> bool {
         self.is_plastic() && self.steps_without_flow + 1 < STEPS_WITHOUT_FLOW
@@ -349,6 +354,7 @@ impl Block {
         scratch: &'a mut Scratch,
     ) -> Option<&'a [f64]> {
         self.widen();
+        let flows = self.flows();
         let Scratch { work, gaps, .. } = scratch;
         let (cells, active, v) = (self.sigma.len(), self.active.clone(), &self.v);
         let (at_left, at_right) = (active.start == 0, active.end == cells);
@@ -364,11 +370,15 @@ impl Block {
         if filter.takes_shocks() && !self.flow.is_empty() {
             self.have_flowed.resize(cells, 0);
             let cells = active.clone();
-            grid_filter::note_flow(&self.flow[cells.clone()], &self.sigma[cells.clone()], &mut self.have_flowed[cells]);
+            grid_filter::note_flow(
+                flows,
+                &self.flow[cells.clone()],
+                &self.sigma[cells.clone()],
+                &mut self.have_flowed[cells],
+            );
         }
         self.impulses_at_edges = [0.0; 2];
-        let flow = self.flow.get(active.clone()).unwrap_or_default();
-        if gaps.are_smooth(flow, *filter) {
+        if gaps.are_smooth(flows, *filter) {
             return None;
         }
         // Cells at rest hand nothing over: their nodes move alike.
@@ -380,7 +390,8 @@ impl Block {
             impulses[active.end] = 0.0;
         }
         let have_flowed = self.have_flowed.get(active.clone()).unwrap_or_default();
-        let row = grid_filter::Cells { flow, have_flowed, sigma: &self.sigma[active.clone()] };
+        let flow = self.flow.get(active.clone()).unwrap_or_default();
+        let row = grid_filter::Cells { flows, flow, have_flowed, sigma: &self.sigma[active.clone()] };
         let anything = gaps.find(&row, *filter, &mut impulses[active.clone()]);
         self.impulses_at_edges =
             [if at_left { impulses[0] } else { 0.0 }, if at_right { impulses[cells - 1] } else { 0.0 }];

@@ -29,7 +29,7 @@ use multiversion::multiversion;
 
 use super::sizes::MOST_CELLS;
 use crate::elementary::{larger, lesser};
-use crate::law::{Aligned, LANES, any_flows};
+use crate::law::{Aligned, LANES};
 
 /// Fraction of an alternating velocity difference that is redistributed between two nodes while an elastic wave passes a cell. A step
 /// redistributes this times the Courant number, so that the damping of a wave does not depend on the time step. At Courant number 1 a
@@ -173,6 +173,8 @@ pub(super) struct Gaps {
 /// What the filter must know of cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cells<'a> {
+    /// Some of them flowed in the latest step.
+    pub flows: bool,
     /// What each flowed in the latest step, see [`Row::flow`]; empty where the block has not yielded.
     ///
     /// [`Row::flow`]: crate::law::Row::flow
@@ -244,17 +246,17 @@ impl Gaps {
 
     /// True where no cell can have an impulse, found from the differences as a whole: they are all rounding, or of
     /// one sign and so alike that each supports its neighbours.
-    pub fn are_smooth(&self, flow: &[f32], filter: Filter) -> bool {
-        self.smooth && !(filter.takes_shocks() && any_flows(flow))
+    pub fn are_smooth(&self, flows: bool, filter: Filter) -> bool {
+        self.smooth && !(filter.takes_shocks() && flows)
     }
 
     /// Impulses as velocity differences, one a cell, into `impulses`. At a prescribed end the last cell has no neighbour to be compared with,
     /// and only artificial viscosity; nor has it beside a joint. Returns whether any is not zero.
     pub fn find(&self, cells: &Cells<'_>, filter: Filter, impulses: &mut [f64]) -> bool {
-        let Cells { flow, sigma, .. } = *cells;
+        let Cells { flows, flow, sigma, .. } = *cells;
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
         let shocks = !cells.have_flowed.is_empty();
-        let anything = match (shocks, any_flows(flow)) {
+        let anything = match (shocks, flows) {
             (true, false) if none_crosses(cells.have_flowed) => find_shocks::<false>(w, cells, filter, impulses),
             (true, _) => find_shocks::<true>(w, cells, filter, impulses),
             (false, true) => find_flowing(w, flow, filter, impulses),
@@ -282,9 +284,9 @@ const CROSSING: i8 = 16;
 
 /// Notes in a row of cells how they have flowed: 0 never, 1 some time ago, more for those that unload in flow now or did so in the last [`CROSSING`]
 /// steps.
-pub(super) fn note_flow(flow: &[f32], sigma: &[f64], have_flowed: &mut [i8]) {
+pub(super) fn note_flow(flows: bool, flow: &[f32], sigma: &[f64], have_flowed: &mut [i8]) {
     // 0 and 1 stay as they are without flow.
-    if any_flows(flow) || !none_crosses(have_flowed) {
+    if flows || !none_crosses(have_flowed) {
         note_new_flow(flow, sigma, have_flowed);
     }
 }

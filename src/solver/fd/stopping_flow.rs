@@ -27,7 +27,7 @@ impl Block {
     pub fn flow_on(&mut self, law: BlockLaw<'_>, stopped: &mut Vec<Stopped>) {
         stopped.clear();
         let missing_flow = law.filter.missing_flow();
-        if missing_flow == 0.0 || self.steps_without_flow > 0 {
+        if missing_flow == 0.0 || !self.flows() {
             return;
         }
         let Range { start, end } = self.active;

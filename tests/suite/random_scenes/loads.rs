@@ -116,15 +116,15 @@ fn worst(a: &Loads, b: &Loads, segments: usize) -> (f64, String) {
     worst
 }
 
-/// Rows of an initial state are closer than so much of a segment, and apart.
-fn has_layer(spec: &Spec, thin: f64) -> bool {
-    let rows = |value: &Value| match value {
-        Value::Along(rows, length) | Value::SignedAlong(rows, length) => (rows.clone(), *length),
-        _ => (Vec::new(), 0.0),
+/// Rows of an initial state are closer than [`THIN`], and apart.
+fn has_thin_layer(spec: &Spec) -> bool {
+    let is_thin = |value: &Value| match value {
+        Value::Along(rows, length) | Value::SignedAlong(rows, length) => {
+            rows.windows(2).map(|pair| pair[1].0 - pair[0].0).any(|gap| gap > 0.0 && gap < THIN * length)
+        }
+        _ => false,
     };
-    spec.segments.iter().flatten().map(|(_, value)| rows(value)).any(|(rows, length)| {
-        rows.windows(2).map(|pair| pair[1].0 - pair[0].0).any(|gap| gap > 0.0 && gap < thin * length)
-    })
+    spec.segments.iter().flatten().any(|(_, value)| is_thin(value))
 }
 
 /// Loads that two methods do not agree on, and do not come to agree on with finer cells.
@@ -134,7 +134,7 @@ pub fn disagree(spec: &Spec) -> Vec<(Method, Failure)> {
     let unresolved = spec.has_effect("rupture")
         || spec.has_falling_curve()
         || driven_beyond(spec).next().is_some()
-        || has_layer(spec, THIN);
+        || has_thin_layer(spec);
     if unresolved || spec.effects.is_none() {
         return Vec::new();
     }

@@ -1,8 +1,13 @@
 //! The cells without slopes.
 
-use super::block::{Block, Stage};
+use std::ops::Range;
+
+use super::block::{Block, GHOSTS, NEARBY, Stage};
 use super::history::{Stiffenings, passed};
 use super::part::Part;
+
+/// Part of the elastic limit by which the strain must have reversed.
+const REVERSED: f64 = 0.25;
 
 impl Block {
     /// How many stiffening knots of its curve a cell has passed. Hardening tells that, not the stress: a cell that unloads, through
@@ -19,12 +24,34 @@ impl Block {
         passed(part, [if yielded { part.law.law.accumulated(&self.state, i) } else { 0.0 }; 2])
     }
 
+    /// Strains of these cells lie beyond the elastic limit in one sense and reach into the other: a shock that reverses the strain, where the
+    /// curve is followed both ways.
+    fn reverse(&self, part: &Part, cells: Range<usize>) -> bool {
+        let [mut least, mut most] = [0.0_f64; 2];
+        for i in cells {
+            let z = self.e_equivalent_strain(part, i);
+            (least, most) = (least.min(z), most.max(z));
+        }
+        let (further, other) = if most > -least { (most, -least) } else { (-least, most) };
+        further > part.limit && other > REVERSED * part.limit
+    }
+
+    /// Cells of the bar within [`NEARBY`] of one.
+    fn around(&self, i: usize) -> Range<usize> {
+        let bounds = [GHOSTS, self.sigma.len() - GHOSTS];
+        let from = if self.outer[0].is_some() { bounds[0] } else { 0 };
+        let to = if self.outer[1].is_some() { bounds[1] } else { self.sigma.len() };
+        from.max(i.saturating_sub(NEARBY))..to.min(i + NEARBY + 1)
+    }
+
     /// True where a cell has no slopes: where a stiffening knot of the curve lies between it and one of the two next on either side, in a
-    /// shock or next to it; where the scheme has given energy, or next to there.
+    /// shock or next to it; near a shock that reverses the strain; where the scheme has given energy, or next to there.
     pub fn is_first_order(&self, part: &Part, i: usize) -> bool {
         let passed = |i| self.stiffenings(part, i);
         let in_shock = || (i - 2..i + 2).any(|i| passed(i) != passed(i + 1));
-        self.owes_near(part, i) || (part.stiffens.is_some() && in_shock())
+        self.owes_near(part, i)
+            || (part.stiffens.is_some() && in_shock())
+            || (part.path_independent && self.reverse(part, self.around(i)))
     }
 
     /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`, and which of these are in a shock or next to it;
@@ -42,6 +69,9 @@ impl Block {
                 *in_shock = near[0] | near[1] | near[2] | near[3];
             }
             flat[2..row - 2].copy_from_slice(&in_shock[2..row - 2]);
+        }
+        if part.path_independent && self.reverse(part, 0..row) {
+            (2..row - 2).for_each(|i| flat[i] |= self.reverse(part, self.around(i)));
         }
         if part.most_energy_defect.is_some() {
             (2..row - 2).for_each(|i| flat[i] |= self.owes_near(part, i));

@@ -343,15 +343,16 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
 
 /// Sets the slopes of some cells to zero.
 ///
-/// - Inside shocks of a stiffening curve. With slopes the scheme may hold a shock together that should split further on, at
-///   a wrong speed whatever the resolution; without them its flux, that of the hull, decides.
+/// - Inside shocks of a stiffening curve, and those that reverse the strain where a curve is followed both ways. With slopes
+///   the scheme may hold a shock together that should split further on, at a wrong speed whatever the resolution; without
+///   them its flux, that of the hull, decides.
 /// - Where the curve has a level stretch, in cells to which slopes have given energy, and next to them, until the scheme has
 ///   taken it back. Without slopes it takes energy in every cell.
 fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     scratch.in_shock[..row].fill(false);
     scratch.flat[..row].fill(false);
-    if part.stiffens.is_none() && part.most_energy_defect.is_none() {
+    if !part.may_be_first_order() {
         return;
     }
     let Scratch { carried, increment, slope, in_shock, flat, changes, .. } = scratch;

@@ -61,6 +61,11 @@ impl Part {
         self.stiffens.is_some() && !self.path_independent
     }
 
+    /// Some cells may have no slopes.
+    pub(super) fn may_be_first_order(&self) -> bool {
+        self.path_independent || self.stiffens.is_some() || self.most_energy_defect.is_some()
+    }
+
     /// rho A dx, kg.
     pub(super) fn cell_mass(&self) -> f64 {
         self.density * self.area * self.dx

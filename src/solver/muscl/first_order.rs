@@ -70,7 +70,8 @@ impl Block {
             }
             flat[2..row - 2].copy_from_slice(&in_shock[2..row - 2]);
         }
-        if part.path_independent && self.reverse(part, 0..row) {
+        let some = |sense: f64| self.sigma.iter().any(|stress| sense * stress > 0.0);
+        if part.path_independent && some(1.0) && some(-1.0) && self.reverse(part, 0..row) {
             (2..row - 2).for_each(|i| flat[i] |= self.reverse(part, self.around(i)));
         }
         if part.most_energy_defect.is_some() {

@@ -4,9 +4,12 @@
 //! smear it ever further, over `dx^(2/3)`; steeper ones keep it within a few cells. So cells inside such fronts get those.
 //! Elsewhere they would do harm: they make steps of smooth waves, and keep ripples alive.
 
+use multiversion::multiversion;
+
 use super::block::{Block, NEARBY};
 use super::part::Part;
 use super::slope::{limited, steep};
+use crate::elementary::{larger, lesser};
 use crate::wave::riemann::Straight;
 
 /// In a front the largest difference between neighbours near a cell is this many times the least. Where a wave is
@@ -36,23 +39,44 @@ pub(super) struct Slopes {
     pub e_equivalent_strain: f64,
 }
 
-/// The slopes of a cell inside a front of one direction along one line of the curve, other than the elastic one; none
-/// elsewhere. All cells that [`NEARBY`] reaches must be cells of the bar.
-pub(super) fn slopes(block: &Block, part: &Part, i: usize) -> Option<Slopes> {
-    let sigma = &block.sigma;
-    let (left, right) = (sigma[i] - sigma[i - 1], sigma[i + 1] - sigma[i]);
-    let greater = left.abs().max(right.abs());
-    let rises = left * right > 0.0 && greater > FAINT * part.limit && sigma[i].abs() > part.limit;
-    if !rises || !is_uneven(&sigma[i - NEARBY..=i + NEARBY]) {
-        return None;
-    }
-    along(&line(block, part, i, greater)?, block, i)
+/// Cells of a row that may lie inside a front: where stress rises or falls through them, beyond the elastic limit and not evenly, `found` is 1. The
+/// [`NEARBY`] cells at each end of the row are none. `sizes` is room for as many.
+pub(super) fn find(sigma: &[f64], limit: f64, sizes: &mut [f64], found: &mut [f64]) {
+    let row = sigma.len();
+    found[..NEARBY].fill(0.0);
+    found[row - NEARBY..row].fill(0.0);
+    find_inside(sigma, limit, &mut sizes[..row], &mut found[NEARBY..row - NEARBY]);
 }
 
-fn is_uneven(sigma: &[f64]) -> bool {
-    let differences = sigma.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let (least, largest) = differences.fold((f64::INFINITY, 0.0_f64), |(a, b), d| (a.min(d), b.max(d)));
-    largest > UNEVEN * least
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn find_inside(sigma: &[f64], limit: f64, sizes: &mut [f64], found: &mut [f64]) {
+    let (cells, faint) = (found.len(), FAINT * limit);
+    let between = cells + 2 * NEARBY - 1;
+    let (left, right, sizes) = (&sigma[..between], &sigma[1..=between], &mut sizes[..between]);
+    for i in 0..between {
+        sizes[i] = (right[i] - left[i]).abs();
+    }
+    let [before, here, after] = [1, 0, -1].map(|by: isize| &sigma[NEARBY.wrapping_add_signed(-by)..][..cells]);
+    // Sizes of the differences near a cell; the middle two are those to its neighbours.
+    let near: [&[f64]; 2 * NEARBY] = std::array::from_fn(|k| &sizes[k..][..cells]);
+    for i in 0..cells {
+        let (mut least, mut largest) = (near[0][i], near[0][i]);
+        for sizes in &near[1..] {
+            (least, largest) = (lesser(least, sizes[i]), larger(largest, sizes[i]));
+        }
+        let rises = (here[i] - before[i]) * (after[i] - here[i]) > 0.0;
+        let greater = larger(near[NEARBY - 1][i], near[NEARBY][i]);
+        let may_be = rises && greater > faint && here[i].abs() > limit && largest > UNEVEN * least;
+        found[i] = if may_be { 1.0 } else { 0.0 };
+    }
+}
+
+/// The slopes of a cell inside a front of one direction along one line of the curve, other than the elastic one; none
+/// elsewhere. It is one of those that [`find`] has found.
+pub(super) fn slopes(block: &Block, part: &Part, i: usize) -> Option<Slopes> {
+    let sigma = &block.sigma;
+    let greater = (sigma[i] - sigma[i - 1]).abs().max((sigma[i + 1] - sigma[i]).abs());
+    along(&line(block, part, i, greater)?, block, i)
 }
 
 /// The line on which a cell and its neighbours lie.

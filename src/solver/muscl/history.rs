@@ -17,19 +17,21 @@ pub(super) struct History {
     /// Elastic range of the stress, Pa; not a number until it is known.
     low: f64,
     high: f64,
+    /// The lines of the curve in tension and compression on which these are.
+    lines: [usize; 2],
     pub passed: Stiffenings,
 }
 
 impl History {
     /// The cell has flowed, or is another one.
-    pub const UNKNOWN: Self = Self { low: f64::NAN, high: f64::NAN, passed: [0; 2] };
+    pub const UNKNOWN: Self = Self { low: f64::NAN, high: f64::NAN, lines: [0; 2], passed: [0; 2] };
 
     /// That of a cell of a row with this law state.
     pub fn of(part: &Part, state: &[f64], i: usize) -> Self {
         let law = part.law.law.as_ref();
         let (accumulated, back) = (law.accumulated(state, i), law.back_stress(state, i));
-        let [high, low] = [1.0, -1.0].map(|sense| sense * part.faces.limit(accumulated, back, sense));
-        Self { low, high, passed: passed(part, [accumulated; 2]) }
+        let [(tension, high), (compression, low)] = part.faces.limits(accumulated, back);
+        Self { low: -low, high, lines: [tension, compression], passed: passed(part, [accumulated; 2]) }
     }
 
     pub fn is_unknown(&self) -> bool {
@@ -50,9 +52,9 @@ impl History {
         self.low + near <= stress && stress <= self.high - near
     }
 
-    /// sense * stress at which the cell starts to flow, Pa.
-    pub fn limit(&self, sense: f64) -> f64 {
-        if sense < 0.0 { -self.low } else { self.high }
+    /// sense * stress at which the cell starts to flow, Pa, and the line of the curve on which that is.
+    pub fn limit(&self, sense: f64) -> (f64, usize) {
+        if sense < 0.0 { (-self.low, self.lines[1]) } else { (self.high, self.lines[0]) }
     }
 }
 

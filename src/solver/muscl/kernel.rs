@@ -10,7 +10,7 @@ use super::history::{History, WITHIN, stay_elastic};
 use super::part::Part;
 use super::slope::{cap, capped, limited};
 use crate::law::{LANES, RowLaw, flows};
-use crate::wave::riemann::{FaceState, Faces, Flux, Point, Workspace};
+use crate::wave::riemann::{FaceState, Faces, FlowingRow, Flux, Point, Workspace};
 
 /// What the elastic kernel must know of a segment.
 #[derive(Debug, Clone, Copy)]
@@ -41,14 +41,16 @@ pub(super) struct Scratch {
     lost: [f64; ROW],
     /// What cells gain of stress along the curve in half a step, Pa >= 0.
     gained: [f64; ROW],
+    flowing: FlowingRow<ROW>,
     /// The cell lies inside a shock of a stiffening curve, or next to one.
     in_shock: [bool; ROW],
     /// The cell has no slopes.
     flat: [bool; ROW],
     /// Between the cell and the next one lies a stiffening knot of the curve.
     changes: [bool; ROW],
-    /// Strain slopes (E times, Pa) of cells inside fronts that are carried along.
-    steep: [Option<f64>; ROW],
+    /// E times the strain, and its slopes where the curve is followed both ways, Pa.
+    e_equivalent_strain: [f64; ROW],
+    strain_slope: [f64; ROW],
 }
 
 impl Scratch {
@@ -65,10 +67,12 @@ impl Scratch {
             slope: [0.0; ROW],
             lost: [0.0; ROW],
             gained: [0.0; ROW],
+            flowing: FlowingRow::resting(),
             in_shock: [false; ROW],
             flat: [false; ROW],
             changes: [false; ROW],
-            steep: [None; ROW],
+            e_equivalent_strain: [0.0; ROW],
+            strain_slope: [0.0; ROW],
         }
     }
 }
@@ -250,8 +254,14 @@ fn push(
         lost[i] = out - into;
         v[i] = new;
     }
+    sum(lost)
+}
+
+/// In [`LANES`] partial sums: the same bits whatever the width of the processor's registers.
+#[inline(always)]
+fn sum(values: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
-    let (groups, rest) = lost.as_chunks::<LANES>();
+    let (groups, rest) = values.as_chunks::<LANES>();
     for group in groups {
         for lane in 0..LANES {
             sums[lane] += group[lane];
@@ -277,7 +287,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         correct_history(block, part, scratch);
     }
     scratch.through.set_known(block);
-    let Scratch { through, ahead, increment, stress, lost, in_shock, .. } = scratch;
+    let Scratch { through, ahead, increment, stress, lost, slope: turned, in_shock, .. } = scratch;
     increment[..row].fill(0.0);
     let faces = through.velocity[GHOSTS..=row - GHOSTS].windows(2);
     for (increment, face) in increment[GHOSTS..row - GHOSTS].iter_mut().zip(faces) {
@@ -287,13 +297,15 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let work = &mut ahead.work[..row];
     strain(law, &block.histories, &increment[..row], &mut block.sigma, &mut block.state, work);
     block.note_flow(work);
-    block.plastic += work[GHOSTS..row - GHOSTS].iter().sum::<f64>();
+    block.plastic += sum(&work[GHOSTS..row - GHOSTS]);
     block.lost += push(part.velocity_gain, &mut block.v, &stress[..row], &block.sigma, through, lost);
-    let turned = |i: usize| 0.5 * (work[i] - work_of_mean(increment[i], stress[i], block.sigma[i])) / part.gain;
-    let cells = GHOSTS..row - GHOSTS;
-    block.lost -= cells.clone().map(turned).sum::<f64>();
+    let own = GHOSTS..row - GHOSTS;
+    let [increment, stress, sigma, work] =
+        [&increment[..], &stress[..], &block.sigma, work].map(|cells| &cells[own.clone()]);
+    block.lost -= turned_work(part.gain, increment, [stress, sigma], work, turned);
     if part.keeps_shocks() {
-        block.shock_loss.note(cells.filter(|&i| in_shock[i]).map(|i| lost[i - GHOSTS] - turned(i)).sum());
+        let losses = in_shock[own].iter().zip(lost.iter().zip(turned.iter()));
+        block.shock_loss.note(losses.filter(|(in_shock, _)| **in_shock).map(|(_, (lost, turned))| lost - turned).sum());
     }
     block.note_owed(&lost[..row - 2 * GHOSTS]);
 }
@@ -315,10 +327,22 @@ fn strain(
     }
 }
 
-/// Plastic work that the mean stress of a step does, times 2 E per volume, Pa^2: of E times the strain, and the stress before and after.
-#[inline(always)]
-fn work_of_mean(increment: f64, before: f64, after: f64) -> f64 {
-    (before + after) * (increment - (after - before))
+/// Plastic work of cells that the mean stresses of the step do not do, into `turned`, W/m^2 times the step's part. Returns its sum.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn turned_work(
+    gain: f64,
+    increment: &[f64],
+    [before, after]: [&[f64]; 2],
+    work: &[f64],
+    turned: &mut [f64; ROW],
+) -> f64 {
+    let cells = increment.len();
+    let (before, after, work, turned) = (&before[..cells], &after[..cells], &work[..cells], &mut turned[..cells]);
+    for i in 0..cells {
+        let of_mean = (before[i] + after[i]) * (increment[i] - (after[i] - before[i]));
+        turned[i] = 0.5 * (work[i] - of_mean) / gain;
+    }
+    sum(turned)
 }
 
 /// Slopes of stress, half a step's strain, and velocities at the faces.
@@ -355,28 +379,57 @@ fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     if !part.may_be_first_order() {
         return;
     }
-    let Scratch { carried, increment, slope, in_shock, flat, changes, .. } = scratch;
+    let Scratch { carried, increment, slope, strain_slope, in_shock, flat, changes, .. } = scratch;
     block.find_first_order(part, changes, in_shock, flat);
     for i in (2..row - 2).filter(|&i| flat[i]) {
-        (slope[i], increment[i]) = (0.0, 0.0);
+        (slope[i], strain_slope[i], increment[i]) = (0.0, 0.0, 0.0);
         (carried.left[1][i], carried.right[1][i]) = (block.v[i], block.v[i]);
     }
 }
 
 /// Steeper slopes for cells inside fronts along a line of the curve.
 fn sharpen(block: &Block, part: &Part, scratch: &mut Scratch) {
-    scratch.steep[..block.sigma.len()].fill(None);
-    let Scratch { carried, increment, slope, flat, steep, .. } = scratch;
-    for i in block.surrounded() {
+    let Scratch { carried, increment, slope, strain_slope, flat, stress, lost, .. } = scratch;
+    let may_be_inside = lost;
+    front::find(&block.sigma, part.limit, stress, may_be_inside);
+    for i in block.surrounded().filter(|&i| may_be_inside[i] != 0.0) {
         let unloads = !part.path_independent && increment[i] * block.sigma[i] < 0.0;
         if flat[i] || unloads {
             continue;
         }
         let Some(found) = front::slopes(block, part, i) else { continue };
         let w = block.v[i] + 0.5 * part.velocity_gain * found.stress;
-        (slope[i], increment[i], steep[i]) =
-            (found.stress, 0.5 * part.gain * found.velocity, Some(found.e_equivalent_strain));
+        (slope[i], strain_slope[i], increment[i]) =
+            (found.stress, found.e_equivalent_strain, 0.5 * part.gain * found.velocity);
         (carried.left[1][i], carried.right[1][i]) = (w - 0.5 * found.velocity, w + 0.5 * found.velocity);
+    }
+}
+
+/// E times the strains of a row where the curve is followed both ways, from stresses and the rest of it, and their slopes.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn slopes_of_strain(sigma: &[f64], plastic: &[f64], scratch: &mut Scratch) {
+    let row = sigma.len();
+    let (plastic, z) = (&plastic[..row], &mut scratch.e_equivalent_strain[..row]);
+    let slope = &mut scratch.strain_slope[..row];
+    for i in 0..row {
+        z[i] = sigma[i] + plastic[i];
+    }
+    (slope[0], slope[row - 1]) = (0.0, 0.0);
+    for i in 1..row - 1 {
+        slope[i] = limited(z[i] - z[i - 1], z[i + 1] - z[i]);
+    }
+}
+
+/// E times the strains at the faces, half a step on, in place of stresses.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn carry_strain(row: usize, scratch: &mut Scratch) {
+    let Scratch { carried, e_equivalent_strain, increment, strain_slope, .. } = scratch;
+    let (left, right) = (&mut carried.left[0][..row], &mut carried.right[0][..row]);
+    let (z, increment, slope) = (&e_equivalent_strain[..row], &increment[..row], &strain_slope[..row]);
+    for i in 0..row {
+        let middle = z[i] + increment[i];
+        left[i] = middle - 0.5 * slope[i];
+        right[i] = middle + 0.5 * slope[i];
     }
 }
 
@@ -384,24 +437,11 @@ fn sharpen(block: &Block, part: &Part, scratch: &mut Scratch) {
 fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
+    slopes_of_strain(&block.sigma, &block.state, scratch);
     flatten(block, part, scratch);
     sharpen(block, part, scratch);
-    let Scratch { carried, ahead, increment, stress: e_equivalent_strain, flat, steep, .. } = scratch;
-    for (z, (sigma, plastic)) in e_equivalent_strain.iter_mut().zip(block.sigma.iter().zip(&block.state)) {
-        *z = sigma + plastic;
-    }
-    for i in 1..row - 1 {
-        let (left, right) =
-            (e_equivalent_strain[i] - e_equivalent_strain[i - 1], e_equivalent_strain[i + 1] - e_equivalent_strain[i]);
-        let slope = match (flat[i], steep[i]) {
-            (true, _) => 0.0,
-            (_, Some(slope)) => slope,
-            _ => limited(left, right),
-        };
-        let middle = e_equivalent_strain[i] + increment[i];
-        carried.left[0][i] = middle - 0.5 * slope;
-        carried.right[0][i] = middle + 0.5 * slope;
-    }
+    carry_strain(row, scratch);
+    let Scratch { carried, ahead, increment, .. } = scratch;
     // Strain, from a state of nothing at all, gives the stress of the curve and what is left of the strain.
     let (of_left, of_right) = ahead.state[..2 * row].split_at_mut(row);
     for (at_face, plastic) in [(&mut carried.left[0], of_left), (&mut carried.right[0], of_right)] {
@@ -444,18 +484,40 @@ fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
+/// The faces between cells that lie on one line of a curve, or flow along it: 1 where they are, 0 elsewhere.
+fn correct_flowing(part: &Part, cells: Range<usize>, scratch: &mut Scratch) -> [f64; ROW] {
+    let Scratch { carried: Reconstructed { left, right }, through, flowing, .. } = scratch;
+    let mut solved = [0.0; ROW];
+    if flowing.any(cells.clone()) {
+        let (of_left, of_right) = (cells.start..cells.end - 1, cells.start + 1..cells.end);
+        let through = [&mut through.stress[of_right.clone()], &mut through.velocity[of_right.clone()]];
+        let [a, b] = [right.each_ref().map(|at| &at[of_left.clone()]), left.each_ref().map(|at| &at[of_right.clone()])];
+        flowing.solve(&part.faces, part.limit * (1.0 + WITHIN), of_right.start, [a, b], through, &mut solved[of_right]);
+    }
+    solved
+}
+
 /// The faces of a row whose answer is not the acoustic one, where the curve is followed both ways.
 fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
-    let (row, limit) = (block.sigma.len(), part.limit);
+    let (row, limit) = (block.sigma.len(), part.limit * (1.0 + WITHIN));
+    let cells = block.carried();
+    for i in cells.clone() {
+        let z = scratch.e_equivalent_strain[i];
+        if z.abs() > limit {
+            scratch.flowing.lie_at(i, &part.faces, z);
+        } else {
+            scratch.flowing.rest(i);
+        }
+    }
+    let solved = correct_flowing(part, cells.clone(), scratch);
     let Scratch { carried: Reconstructed { left, right }, through, ahead, .. } = scratch;
     // Where no strain is beyond the limit stress and strain are one.
-    let inside = |near: &FaceState| near.point.stress.abs() <= limit && near.point.plastic == 0.0;
+    let inside = |near: &FaceState| near.point.stress.abs() <= limit && near.point.plastic.abs() <= WITHIN * limit;
     let near = |stress: f64, velocity: f64, plastic: f64| FaceState {
         point: Point { stress, velocity, plastic, ..Point::default() },
         ..FaceState::default()
     };
-    let cells = block.carried();
-    for face in cells.start + 1..cells.end {
+    for face in (cells.start + 1..cells.end).filter(|&face| solved[face] == 0.0) {
         let (i, j) = (face - 1, face);
         let a = near(right[0][i], right[1][i], ahead.state[row + i]);
         let b = near(left[0][j], left[1][j], ahead.state[j]);
@@ -468,12 +530,19 @@ fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
 /// What flowing cells gain of stress along the curve in half a step. That is only foreseen: a wave from next door may take
 /// it back, and then as if it had not been, along the curve. Were it taken back elastically, fronts would leave ripples.
 fn gain(block: &Block, part: &Part, cells: Range<usize>, scratch: &mut Scratch) {
-    let Scratch { ahead, gained, .. } = scratch;
+    let Scratch { ahead, gained, flowing, .. } = scratch;
+    let isotropic = part.isotropic();
     for i in cells {
         gained[i] = 0.0;
+        flowing.rest(i);
         if ahead.work[i] != 0.0 {
-            let sense = if ahead.sigma[i] < part.law.law.back_stress(&block.state, i) { -1.0 } else { 1.0 };
-            gained[i] = (sense * ahead.sigma[i] - block.histories[i].limit(sense)).max(0.0);
+            let back = if isotropic { 0.0 } else { part.law.law.back_stress(&block.state, i) };
+            let sense = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
+            let (stress, (limit, line)) = (sense * ahead.sigma[i], block.histories[i].limit(sense));
+            gained[i] = (stress - limit).max(0.0);
+            if isotropic {
+                flowing.flow(i, &part.faces, sense, gained[i], (stress, line));
+            }
         }
     }
 }
@@ -485,6 +554,7 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let law = part.law.law.as_ref();
     let cells = block.carried();
     gain(block, part, cells.clone(), scratch);
+    let solved = correct_flowing(part, cells.clone(), scratch);
     let Scratch { carried: Reconstructed { left, right }, through, ahead, gained, .. } = scratch;
     let state = &ahead.state[..law.state_len() * row];
     let within = |stress: f64, i: usize| ahead.work[i] == 0.0 && block.histories[i].contains(stress);
@@ -497,7 +567,7 @@ fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         let flowing = if ahead.sigma[i] < back { -1.0 } else { 1.0 };
         part.faces.before(FaceState { point, flowing, reversals }, gained[i], outward, work)
     };
-    for face in cells.start + 1..cells.end {
+    for face in (cells.start + 1..cells.end).filter(|&face| solved[face] == 0.0) {
         let (i, j) = (face - 1, face);
         let stress = through.stress[face];
         if isotropic && stress.abs() <= limit || within(stress, i) && within(stress, j) {

@@ -63,6 +63,8 @@ pub struct Faces {
     concave: bool,
     /// Velocity change from zero stress to the start of every line, m/s.
     reach: [Vec<f64>; 2],
+    /// The curves in tension and compression are one.
+    alike: bool,
 }
 
 /// A side that loads along the curve in one sense: elastic up to its limit, then along the lines.
@@ -118,6 +120,7 @@ impl Faces {
             half_impedance: 0.5 * impedance,
             half_compliance: 0.5 / impedance,
             concave: falls(medium.lines(1.0)) && falls(medium.lines(-1.0)),
+            alike: medium.lines(1.0).are(medium.lines(-1.0)),
             reach,
             medium,
         }
@@ -379,14 +382,39 @@ impl Faces {
         Straight { start, end, offset: lines.y[k] - slope * lines.z[k], slope, compliance: lines.compliance[k] }
     }
 
+    /// The line with this stress (Pa, in magnitude), looked for from `line` on: stresses at its start and its end, Pa, and its compliance, m/(s Pa).
+    pub(super) fn line_with(&self, sense: f64, stress: f64, line: usize) -> [f64; 3] {
+        let lines = self.medium.lines(sense);
+        lines.stresses(self.line_at(lines, line, stress))
+    }
+
+    /// The same of the line at z, Pa, in magnitude.
+    pub(super) fn line_at_strain(&self, sense: f64, z: f64) -> [f64; 3] {
+        let lines = self.medium.lines(sense);
+        lines.stresses(lines.at(z))
+    }
+
     /// sense * stress at which a point with this history starts to flow, Pa; infinite where it never does.
     pub fn limit(&self, accumulated: f64, back: f64, sense: f64) -> f64 {
-        let kinematic = match self.medium.flow {
-            Flow::Plastic { kinematic } => kinematic,
-            Flow::PathIndependent => return f64::INFINITY,
-            Flow::Overlay => return sense * back + self.medium.lines(sense).first_yield,
-        };
-        self.medium.limit(accumulated, back, sense, kinematic)
+        self.located(accumulated, back, sense).1
+    }
+
+    /// The same in tension and compression, each with the line of the curve on which that is.
+    pub fn limits(&self, accumulated: f64, back: f64) -> [(usize, f64); 2] {
+        let tension = self.located(accumulated, back, 1.0);
+        [tension, if self.alike && back == 0.0 { tension } else { self.located(accumulated, back, -1.0) }]
+    }
+
+    fn located(&self, accumulated: f64, back: f64, sense: f64) -> (usize, f64) {
+        let lines = self.medium.lines(sense);
+        match self.medium.flow {
+            Flow::Plastic { kinematic } => {
+                let (line, _, y) = lines.at_accumulated(accumulated);
+                (line, sense * back + lines.half_range(y, kinematic))
+            }
+            Flow::PathIndependent => (0, f64::INFINITY),
+            Flow::Overlay => (0, sense * back + lines.first_yield),
+        }
     }
 
     /// The curves have a level stretch.

@@ -87,6 +87,8 @@ pub(super) struct Lines {
     /// Which of the lines from `plastic_from` on holds at an accumulated plastic strain, where they are many.
     index: Option<PieceIndex>,
     plastic_from: usize,
+    /// Which of all lines holds at z, likewise.
+    index_z: Option<PieceIndex>,
 }
 
 impl Lines {
@@ -109,9 +111,15 @@ impl Lines {
         }
         let plastic_from = p.partition_point(|&start| start <= 0.0) - 1;
         let index = PieceIndex::new(&p[plastic_from..]);
-        let mut lines = Self { z, y, p, slope, compliance, first_yield: 0.0, index, plastic_from };
+        let index_z = PieceIndex::new(&z);
+        let mut lines = Self { z, y, p, slope, compliance, first_yield: 0.0, index, plastic_from, index_z };
         lines.first_yield = lines.at_accumulated(0.0).2;
         lines
+    }
+
+    /// Both are one curve.
+    pub fn are(&self, other: &Self) -> bool {
+        self.z == other.z && self.y == other.y && self.slope == other.slope
     }
 
     /// Where a point with this accumulated plastic strain meets the table: line, z and y, Pa. On a stretch of
@@ -151,7 +159,15 @@ impl Lines {
 
     /// The line on which z >= 0 lies; at a knot the one behind it.
     pub fn at(&self, z: f64) -> usize {
-        self.z.partition_point(|&start| start <= z).max(1) - 1
+        match &self.index_z {
+            Some(index) => index.find(z) as usize,
+            None => self.z.partition_point(|&start| start <= z).max(1) - 1,
+        }
+    }
+
+    /// Of a line: stresses at its start and its end (infinite where it has none), Pa, and its compliance, m/(s Pa).
+    pub fn stresses(&self, line: usize) -> [f64; 3] {
+        [self.y[line], self.y.get(line + 1).copied().unwrap_or(f64::INFINITY), self.compliance[line]]
     }
 }
 
@@ -277,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn the_line_of_a_point_is_the_last_that_starts_at_or_before_its_plastic_strain() {
+    fn the_line_of_a_point_is_the_last_that_starts_at_or_before_its_strain() {
         let power = |k: i32| 1e-3 * 1.2_f64.powi(k);
         let rows: Vec<(f64, f64)> = (0..40).map(|k| (power(k), 2e8 * (power(k) / 1e-3).powf(0.2))).collect();
         for rows in [&rows[..], &rows[..2], &rows[..1]] {
@@ -287,6 +303,11 @@ mod tests {
             for p in knots.filter(|p| *p >= 0.0) {
                 let last = lines.p.iter().rposition(|&start| start <= p);
                 assert_eq!(Some(lines.at_accumulated(p).0), last, "{p:e} of {} lines", lines.p.len());
+            }
+            let knots = lines.z.iter().flat_map(|&z| [z, z.next_up(), z.next_down(), 1.01 * z, 1e3 * z]);
+            for z in knots.filter(|z| *z >= 0.0) {
+                let last = lines.z.iter().rposition(|&start| start <= z);
+                assert_eq!(Some(lines.at(z)), last, "{z:e} of {} lines", lines.z.len());
             }
         }
     }

@@ -20,10 +20,12 @@ mod face;
 mod medium;
 mod overlay;
 mod path;
+mod row;
 
 pub use face::{FaceState, Faces, Flux, Straight};
 pub use medium::{Flow, Medium, Point};
 pub use path::{Emitted, Path};
+pub use row::FlowingRow;
 
 use crate::root::bisect;
 

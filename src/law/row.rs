@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::{Aligned, CHUNK, CellLaw, LANES, Steps};
+use super::{Aligned, CHUNK, CellLaw, LANES, Response, Steps};
 
 /// What a step of a row reads and writes beside the state.
 #[derive(Debug)]
@@ -368,15 +368,44 @@ pub(super) fn strain<L: CellLaw<N>, const N: usize>(
     for column in &columns {
         assert_eq!(column.len(), cells);
     }
-    for i in 0..cells {
+    let whole = if L::READS_TABLE { cells - cells % CHUNK } else { 0 };
+    let [mut predictor, mut abscissa, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
+    let (predictor, abscissa, table) = (&mut predictor.0, &mut abscissa.0, &mut table.0);
+    for from in (0..whole).step_by(CHUNK) {
+        let (increment, sigma, work) = (cut(increment, from), cut_mut(sigma, from), cut_mut(work, from));
+        let mut columns = cut_columns(&mut columns, from);
+        for i in 0..CHUNK {
+            let before = read(&columns, i);
+            predictor[i] = law.base(sigma[i], before) + increment[i];
+            abscissa[i] = law.table_abscissa(predictor[i], before);
+        }
+        law.interpolate(abscissa, predictor, table);
+        for i in 0..CHUNK {
+            let before = read(&columns, i);
+            let after = law.return_map(predictor[i], before, table[i]);
+            (work[i], sigma[i]) = (work_of(law, sigma[i], before, &after), after.sigma);
+            for (column, value) in columns.iter_mut().zip(after.state) {
+                column[i] = value;
+            }
+        }
+    }
+    for i in whole..cells {
         let before: [f64; N] = std::array::from_fn(|k| columns[k][i]);
         let after = law.respond(sigma[i], law.base(sigma[i], before) + increment[i], before);
-        let turns = law.onset(sigma[i], before, &after) < 0.0;
-        work[i] = if turns { law.turned_work(before, &after) } else { (sigma[i] + after.sigma) * after.plastic };
-        sigma[i] = after.sigma;
+        (work[i], sigma[i]) = (work_of(law, sigma[i], before, &after), after.sigma);
         for (column, value) in columns.iter_mut().zip(after.state) {
             column[i] = value;
         }
+    }
+}
+
+/// The plastic work of a step of a cell, as [`Row::work`] has it.
+#[inline(always)]
+fn work_of<L: CellLaw<N>, const N: usize>(law: &L, sigma: f64, before: [f64; N], after: &Response<N>) -> f64 {
+    if law.onset(sigma, before, after) < 0.0 {
+        law.turned_work(before, after)
+    } else {
+        (sigma + after.sigma) * after.plastic
     }
 }
 

@@ -382,10 +382,13 @@ impl Faces {
         Straight { start, end, offset: lines.y[k] - slope * lines.z[k], slope, compliance: lines.compliance[k] }
     }
 
-    /// The line with this stress (Pa, in magnitude), looked for from `line` on: stresses at its start and its end, Pa, and its compliance, m/(s Pa).
+    /// The line with this stress (Pa, in magnitude), which is `line` or the one behind it: stresses at its start and its end, Pa, and its compliance,
+    /// m/(s Pa). Where the curve does not rise along `line`, no stress tells how far the flow has come: that one, whose compliance is no finite number.
     pub(super) fn line_with(&self, sense: f64, stress: f64, line: usize) -> [f64; 3] {
         let lines = self.medium.lines(sense);
-        lines.stresses(self.line_at(lines, line, stress))
+        let here = lines.stresses(line);
+        let [_, end, compliance] = here;
+        if compliance.is_finite() && stress > end { lines.stresses(line + 1) } else { here }
     }
 
     /// The same of the line at z, Pa, in magnitude.

@@ -13,7 +13,8 @@
 //! differ; where the curve is followed both ways, strain stands for stress. A cell that flows lies on its curve at its
 //! faces, too; else its history is the same throughout. What it gains
 //! along the curve in the half step is only foreseen, and may be taken back along the curve. Cells inside shocks of a
-//! stiffening curve have no slopes, cells inside fronts along one of its lines steeper ones. Where the curve has a level
+//! stiffening curve, and near those that reverse the strain where the curve is followed both ways, have no slopes, cells
+//! inside fronts along one of its lines steeper ones. Where the curve has a level
 //! stretch, stresses at faces stay between those of the cells, and a cell to which slopes gave energy has none until that is
 //! taken back. The flux is the Riemann
 //! problem's answer, with the hull of stiffening curves: second order in smooth flow, no new extrema at fronts, and the

@@ -38,10 +38,8 @@ impl Block {
 
     /// Cells of the bar within [`NEARBY`] of one.
     fn around(&self, i: usize) -> Range<usize> {
-        let bounds = [GHOSTS, self.sigma.len() - GHOSTS];
-        let from = if self.outer[0].is_some() { bounds[0] } else { 0 };
-        let to = if self.outer[1].is_some() { bounds[1] } else { self.sigma.len() };
-        from.max(i.saturating_sub(NEARBY))..to.min(i + NEARBY + 1)
+        let [left, right] = self.outer.map(|outer| if outer.is_some() { GHOSTS } else { 0 });
+        left.max(i.saturating_sub(NEARBY))..(self.sigma.len() - right).min(i + NEARBY + 1)
     }
 
     /// True where a cell has no slopes: where a stiffening knot of the curve lies between it and one of the two next on either side, in a

@@ -56,7 +56,7 @@ fn find_inside(sigma: &[f64], limit: f64, sizes: &mut [f64], found: &mut [f64]) 
     for i in 0..between {
         sizes[i] = (right[i] - left[i]).abs();
     }
-    let [before, here, after] = [1, 0, -1].map(|by: isize| &sigma[NEARBY.wrapping_add_signed(-by)..][..cells]);
+    let [before, here, after] = [NEARBY - 1, NEARBY, NEARBY + 1].map(|from| &sigma[from..][..cells]);
     // Sizes of the differences near a cell; the middle two are those to its neighbours.
     let near: [&[f64]; 2 * NEARBY] = std::array::from_fn(|k| &sizes[k..][..cells]);
     for i in 0..cells {

@@ -409,14 +409,10 @@ impl Faces {
     }
 
     fn located(&self, accumulated: f64, back: f64, sense: f64) -> (usize, f64) {
-        let lines = self.medium.lines(sense);
         match self.medium.flow {
-            Flow::Plastic { kinematic } => {
-                let (line, _, y) = lines.at_accumulated(accumulated);
-                (line, sense * back + lines.half_range(y, kinematic))
-            }
+            Flow::Plastic { kinematic } => self.medium.located(accumulated, back, sense, kinematic),
             Flow::PathIndependent => (0, f64::INFINITY),
-            Flow::Overlay => (0, sense * back + lines.first_yield),
+            Flow::Overlay => (0, sense * back + self.medium.lines(sense).first_yield),
         }
     }
 

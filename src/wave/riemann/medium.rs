@@ -252,8 +252,14 @@ impl Medium {
     /// sense * stress at which a point with this accumulated plastic strain (times E, Pa) and back stress (Pa) starts to flow, Pa, where this part
     /// of the hardening (0 to 1) is kinematic; infinite where the curve never leaves its elastic line.
     pub(super) fn limit(&self, accumulated: f64, back: f64, sense: f64, kinematic: f64) -> f64 {
+        self.located(accumulated, back, sense, kinematic).1
+    }
+
+    /// The same with the line of the curve on which that is.
+    pub(super) fn located(&self, accumulated: f64, back: f64, sense: f64, kinematic: f64) -> (usize, f64) {
         let lines = self.lines(sense);
-        sense * back + lines.half_range(lines.at_accumulated(accumulated).2, kinematic)
+        let (line, _, y) = lines.at_accumulated(accumulated);
+        (line, sense * back + lines.half_range(y, kinematic))
     }
 
     /// Signed plastic strain of a point.

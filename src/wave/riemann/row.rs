@@ -35,7 +35,7 @@ impl<const N: usize> FlowingRow<N> {
         self.sense[i] = 0.0;
     }
 
-    /// Some of these cells flows.
+    /// True where some of these cells flow.
     pub fn any(&self, mut cells: Range<usize>) -> bool {
         cells.any(|i| self.sense[i] != 0.0)
     }
@@ -47,7 +47,7 @@ impl<const N: usize> FlowingRow<N> {
         self.put(i, sense, faces.line_with(sense, stress, line));
     }
 
-    /// Cell `i` lies beyond the elastic limit of a curve that is followed both ways, at this stress-equivalent strain (E times strain, Pa).
+    /// Cell `i` lies beyond the elastic limit of a curve that is followed both ways; z is E times its strain, Pa.
     pub fn lie_at(&mut self, i: usize, faces: &Faces, z: f64) {
         let sense = 1.0_f64.copysign(z);
         self.gained[i] = 0.0;

@@ -8,15 +8,15 @@ use crate::solver::muscl::history::WITHIN;
 use crate::solver::muscl::part::Part;
 use crate::wave::riemann::{FaceState, Point, Workspace};
 
-/// The faces between cells that lie on one line of a curve, or flow along it: 1 where they are, 0 elsewhere.
-fn correct_flowing(part: &Part, cells: Range<usize>, scratch: &mut Scratch) -> [f64; ROW] {
+/// The faces between cells that lie on one line of a curve, or flow along it: 1 where they are, 0 elsewhere. Up to `limit` (Pa) all is elastic.
+fn correct_flowing(part: &Part, limit: f64, cells: Range<usize>, scratch: &mut Scratch) -> [f64; ROW] {
     let Scratch { carried: Reconstructed { left, right }, through, flowing, .. } = scratch;
     let mut solved = [0.0; ROW];
     if flowing.any(cells.clone()) {
         let (of_left, of_right) = (cells.start..cells.end - 1, cells.start + 1..cells.end);
         let through = [&mut through.stress[of_right.clone()], &mut through.velocity[of_right.clone()]];
         let [a, b] = [right.each_ref().map(|at| &at[of_left.clone()]), left.each_ref().map(|at| &at[of_right.clone()])];
-        flowing.solve(&part.faces, part.limit * (1.0 + WITHIN), of_right.start, [a, b], through, &mut solved[of_right]);
+        flowing.solve(&part.faces, limit, of_right.start, [a, b], through, &mut solved[of_right]);
     }
     solved
 }
@@ -33,7 +33,7 @@ pub(super) fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratc
             scratch.flowing.rest(i);
         }
     }
-    let solved = correct_flowing(part, cells.clone(), scratch);
+    let solved = correct_flowing(part, limit, cells.clone(), scratch);
     let Scratch { carried: Reconstructed { left, right }, through, ahead, .. } = scratch;
     // Where no strain is beyond the limit stress and strain are one.
     let inside = |near: &FaceState| near.point.stress.abs() <= limit && near.point.plastic.abs() <= WITHIN * limit;
@@ -78,7 +78,7 @@ pub(super) fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scra
     let law = part.law.law.as_ref();
     let cells = block.carried();
     gain(block, part, cells.clone(), scratch);
-    let solved = correct_flowing(part, cells.clone(), scratch);
+    let solved = correct_flowing(part, limit, cells.clone(), scratch);
     let Scratch { carried: Reconstructed { left, right }, through, ahead, gained, .. } = scratch;
     let state = &ahead.state[..law.state_len() * row];
     let within = |stress: f64, i: usize| ahead.work[i] == 0.0 && block.histories[i].contains(stress);

@@ -53,9 +53,8 @@ fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
 
 /// Steeper slopes for cells inside fronts along a line of the curve.
 fn sharpen(block: &Block, part: &Part, scratch: &mut Scratch) {
-    let Scratch { carried, increment, slope, strain_slope, flat, stress, lost, .. } = scratch;
-    let may_be_inside = lost;
-    front::find(&block.sigma, part.limit, stress, may_be_inside);
+    let Scratch { carried, increment, slope, strain_slope, flat, stress: sizes, lost: may_be_inside, .. } = scratch;
+    front::find(&block.sigma, part.limit, sizes, may_be_inside);
     for i in block.surrounded().filter(|&i| may_be_inside[i] != 0.0) {
         let unloads = !part.path_independent && increment[i] * block.sigma[i] < 0.0;
         if flat[i] || unloads {

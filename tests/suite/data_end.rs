@@ -227,6 +227,26 @@ fn data_that_end_at_once_stop_front_tracking_too() {
     }
 }
 
+/// Front tracking took a wave in the elastic bar, whose data end where it would yield, for one at the largest stress of the bar beside it: "strain
+/// 0.1000 is beyond the end of the data".
+#[test]
+fn an_elastic_bar_beside_one_that_flows_at_one_stress_is_past_no_data() {
+    let level =
+        "{ density = 8780, modulus = 2e11, beyond = \"extend\", curve = { table = [[1e-3, 2e8], [0.1, 2e8]] } }";
+    let elastic = "{ density = 5290, modulus = 7e10, curve = { table = [[0.1, 7e9]] } }";
+    let bar = format!(
+        "segment = [{{ length = 0.0525, area = 204e-6, material = {level} }}, \
+         {{ length = 0.0883, area = 933e-6, material = {elastic}, velocity = 14.2 }}]"
+    );
+    let ends = ["kind = \"free\"", "kind = \"fixed\""];
+    for solver in [SOLVERS[0], SOLVERS[2], SOLVERS[3]] {
+        let folder = folder();
+        let found = summary(folder.path(), &scene(solver, &bar, ends, "20 us"));
+        let force = found["figures"]["right"]["peak_force_N"].as_f64().expect("a force");
+        assert!((force / -254.945e3 - 1.0).abs() < 1e-4, "{}: {force}", solver.0);
+    }
+}
+
 #[test]
 fn a_bar_that_is_compressed_to_nothing_stops_the_run() {
     let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {SOFT}");

@@ -26,7 +26,7 @@ impl FrontTracking {
             self.break_off(which);
             answer = self.answer_stress(which, 0.0, &bar, segment);
         }
-        self.note_limit(1 - which, segment, [&bar, &answer.behind], x);
+        self.note_limit(1 - which, segment, [&bar, &answer.behind], x, false);
         let end = &mut self.ends[which];
         end.update(&answer);
         if answer.short && end.demands {

@@ -14,8 +14,16 @@ impl FrontTracking {
         &self.limits.passed
     }
 
-    /// Looks at the state `behind` the waves that a side (0 left, 1 right) of a Riemann problem at x sends into `ahead`.
-    pub(super) fn note_limit(&mut self, side: usize, segment: u32, [ahead, behind]: [&Point; 2], x: f64) {
+    /// Looks at the state `behind` the waves that a side (0 left, 1 right) of a Riemann problem at x sends into `ahead`. Behind `elastic` ones
+    /// nothing flows, and there is no path.
+    pub(super) fn note_limit(
+        &mut self,
+        side: usize,
+        segment: u32,
+        [ahead, behind]: [&Point; 2],
+        x: f64,
+        elastic: bool,
+    ) {
         if ahead == behind {
             return;
         }
@@ -30,7 +38,8 @@ impl FrontTracking {
         let passed = &self.limits.passed;
         let is_news =
             |limit: Limit| passed.iter().all(|known| known.segment != segment || known.reached.limit != limit);
-        let flows = |limit| is_news(limit) && (ahead.plastic != behind.plastic || is_held(medium, path, behind));
+        let flows =
+            |limit| !elastic && is_news(limit) && (ahead.plastic != behind.plastic || is_held(medium, path, behind));
         let Some(reached) = self.limits.ends[segment].reached(&point, flows).filter(|r| is_news(r.limit)) else {
             return;
         };

@@ -6,25 +6,34 @@ use super::nearness::{ONE_STATE, REST, in_balance, same_motion};
 use super::tracking::Scratch;
 use crate::wave::riemann::{Emitted, Path, Point, Side, Workspace, solve};
 
+/// What two states in contact come to.
+struct Inside {
+    /// The states behind the waves that they send.
+    behind: [Point; 2],
+    /// A level curve keeps their velocities apart.
+    capped: bool,
+    /// Elastic waves alone, for which no paths were followed: those of the workspace belong to an earlier place.
+    elastic: bool,
+}
+
 impl Scratch {
-    /// Sends the waves of two sides; the states behind them, and whether a level curve keeps their velocities apart.
-    fn send(&mut self, left: Side<'_>, right: Side<'_>) -> (Point, Point, bool) {
+    /// Sends the waves of two sides.
+    fn send(&mut self, left: Side<'_>, right: Side<'_>) -> Inside {
         let star = solve(left, right, &mut self.work);
         let tau = |path: &Path| (path.sense() * star.force / path.area()).min(path.cap());
         let Workspace { left, right } = &mut self.work;
         let behind_left = left.emit(tau(left), -1.0, &mut self.sent_left);
         let behind_right = right.emit(tau(right), 1.0, &mut self.sent_right);
-        (behind_left, behind_right, star.capped)
+        Inside { behind: [behind_left, behind_right], capped: star.capped, elastic: false }
     }
 
     /// The same of one elastic wave, or none, on either side.
-    fn send_elastic(&mut self, ahead: [&Point; 2], waves: [Emitted; 2]) -> (Point, Point, bool) {
+    fn send_elastic(&mut self, ahead: [&Point; 2], waves: [Emitted; 2]) -> Inside {
         for (k, sent) in [&mut self.sent_left, &mut self.sent_right].into_iter().enumerate() {
             sent.clear();
             sent.extend((waves[k].behind != *ahead[k]).then_some(waves[k]));
         }
-        let [left, right] = waves.map(|wave| wave.behind);
-        (left, right, false)
+        Inside { behind: waves.map(|wave| wave.behind), capped: false, elastic: true }
     }
 }
 
@@ -119,15 +128,16 @@ impl FrontTracking {
         let left = self.list.get(prev).right;
         let left_segment = self.list.get(prev).segment;
         let right_segment = joint.map_or(left_segment, |id| self.list.get(id).segment);
-        let (behind_left, behind_right, capped) = self.answer_inside((left_segment, left), (right_segment, right));
+        let Inside { behind: [behind_left, behind_right], capped, elastic } =
+            self.answer_inside((left_segment, left), (right_segment, right));
         if self.rupture.is_some() {
             let sides = [(left_segment, left, behind_left), (right_segment, right, behind_right)];
             if self.breaks_inside(&sides, capped, joint, x) {
                 return self.part(prev, joint, right, x);
             }
         }
-        self.note_limit(0, left_segment, [&left, &behind_left], x);
-        self.note_limit(1, right_segment, [&right, &behind_right], x);
+        self.note_limit(0, left_segment, [&left, &behind_left], x, elastic);
+        self.note_limit(1, right_segment, [&right, &behind_right], x, elastic);
         let medium = &self.media[left_segment as usize];
         let apart = capped
             || !behind_left.same_history(&behind_right, medium)
@@ -149,13 +159,8 @@ impl FrontTracking {
         self.schedule(after_new);
     }
 
-    /// The waves that two states in contact send, into the scratch of their sides; the states behind them, and
-    /// whether a level curve keeps their velocities apart.
-    fn answer_inside(
-        &mut self,
-        (left_segment, left): (u32, Point),
-        (right_segment, right): (u32, Point),
-    ) -> (Point, Point, bool) {
+    /// The waves that two states in contact send, into the scratch of their sides.
+    fn answer_inside(&mut self, (left_segment, left): (u32, Point), (right_segment, right): (u32, Point)) -> Inside {
         let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
         let inside = left_segment == right_segment;
         let at_rest = if inside {
@@ -166,10 +171,10 @@ impl FrontTracking {
         if at_rest {
             self.scratch.sent_left.clear();
             self.scratch.sent_right.clear();
-            return (left, right, false);
+            return Inside { behind: [left, right], capped: false, elastic: true };
         }
         let waves = inside.then(|| a.elastic_waves(&left, &right)).flatten();
-        let (mut behind_left, mut behind_right, capped) = match waves {
+        let Inside { behind: [mut behind_left, mut behind_right], capped, elastic } = match waves {
             Some(waves) => self.scratch.send_elastic([&left, &right], waves),
             None => self.scratch.send(Side::Bar(a, &left), Side::Bar(b, &right)),
         };
@@ -184,7 +189,7 @@ impl FrontTracking {
                 inner.behind = behind_left;
             }
         }
-        (behind_left, behind_right, capped)
+        Inside { behind: [behind_left, behind_right], capped, elastic }
     }
 
     /// Puts the fronts sent in -x behind `prev`; the last node before x afterwards.

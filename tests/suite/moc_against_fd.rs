@@ -179,8 +179,8 @@ fn elastic_fronts_are_the_same_in_both_methods() {
 }
 
 /// A stretched bar that is suddenly pushed, along a curve followed both ways: the shock of unloading stops at the yield stress on the other side, and
-/// slower plastic waves follow. Slopes held the first of them, to 264 MPa, together with the shock, 1.18 times as fast, at any resolution. Leapfrog still
-/// does: the miss is known.
+/// slower plastic waves follow. Slopes, and in leapfrog a filter that damped the velocities after the step, held the first of them, to 264 MPa, together
+/// with the shock, 1.18 times as fast, at any resolution.
 #[test]
 fn a_shock_that_reverses_the_stress_splits_at_yield() {
     let curve = [(9.22e-4, 184.4e6), (8.50084e-3, 634.583e6)];
@@ -205,6 +205,6 @@ fn a_shock_that_reverses_the_stress_splits_at_yield() {
         common::advance_to(&mut leapfrog, until);
         let (reach, largest) = found(&common::profile(&leapfrog, Quantity::Stress));
         println!("{cells} cells, leapfrog: {reach} of the way, {largest:e} Pa");
-        assert!((1.15..1.25).contains(&reach) && (largest / 328.3e6 - 1.0).abs() < 5e-3, "{reach} {largest:e}");
+        assert!((reach - 1.0).abs() < 0.05 && (largest / 328.3e6 - 1.0).abs() < 5e-3, "{reach} {largest:e}");
     }
 }

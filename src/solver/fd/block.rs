@@ -344,18 +344,20 @@ impl Block {
         self.inner = [self.v[1], self.v[self.sigma.len() - 1]];
     }
 
-    /// Damps the ripples of the block's inner nodes; `outside` is what is next to it. The nodes at its two edges belong to the caller, who finds their
-    /// share in `impulses_at_edges`. Returns the impulses of its cells, none where all are 0.
+    /// Damps the ripples of the block's inner nodes; `outside` is what is next to it, `outer` are the velocities of the nodes at its two edges at the
+    /// time of the stresses (m/s), which count where waves can be shocks. These nodes belong to the caller, who finds their share in
+    /// `impulses_at_edges`. Returns the impulses of its cells, none where all are 0.
     pub fn apply_grid_filter<'a>(
         &mut self,
         law: &SegmentLaw,
         constants: &Constants,
         outside: [Beside; 2],
+        outer: [f64; 2],
         scratch: &'a mut Scratch,
     ) -> Option<&'a [f64]> {
         self.widen();
         let flows = self.flows();
-        let Scratch { work, gaps, .. } = scratch;
+        let Scratch { work, turned, gaps, .. } = scratch;
         let (cells, active, v) = (self.sigma.len(), self.active.clone(), &self.v);
         let (at_left, at_right) = (active.start == 0, active.end == cells);
         let outside = [
@@ -391,7 +393,12 @@ impl Block {
         }
         let have_flowed = self.have_flowed.get(active.clone()).unwrap_or_default();
         let flow = self.flow.get(active.clone()).unwrap_or_default();
-        let row = grid_filter::Cells { flows, flow, have_flowed, sigma: &self.sigma[active.clone()] };
+        let mean: &[f64] = if have_flowed.is_empty() {
+            &[]
+        } else {
+            self.mean_differences(constants.velocity_gain, outer, &mut turned.0)
+        };
+        let row = grid_filter::Cells { flows, flow, have_flowed, sigma: &self.sigma[active.clone()], mean };
         let anything = gaps.find(&row, *filter, &mut impulses[active.clone()]);
         self.impulses_at_edges =
             [if at_left { impulses[0] } else { 0.0 }, if at_right { impulses[cells - 1] } else { 0.0 }];
@@ -404,6 +411,23 @@ impl Block {
             Some(taper) => taper.apply_impulses(gain, &self.sigma, impulses, &mut self.v, nodes),
         };
         Some(impulses)
+    }
+
+    /// Velocity differences of the cells at work at the time of the stresses, m/s; `outer` are the velocities of the nodes at both edges.
+    fn mean_differences<'a>(&self, gain: f64, outer: [f64; 2], into: &'a mut [f64]) -> &'a [f64] {
+        let (cells, Range { start, end }) = (self.sigma.len(), self.active.clone());
+        let velocity = |node: usize| match node {
+            0 => outer[0],
+            node if node == cells => outer[1],
+            node => self.v[node] - 0.5 * self.velocity_increment(gain, node),
+        };
+        let mut left = velocity(start);
+        for (difference, node) in into.iter_mut().zip(start + 1..=end) {
+            let right = velocity(node);
+            *difference = right - left;
+            left = right;
+        }
+        &into[..end - start]
     }
 
     /// Steps the stresses of a block that is not at rest, then the nodes inside it. The nodes at its two edges belong to the

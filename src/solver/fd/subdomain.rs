@@ -106,15 +106,17 @@ impl Subdomain<'_> {
             }
             let shocks_beside = self.shocks_beside(k);
             let outside = self.nodes_outside(k);
+            let segment = self.blocks[k].segment;
+            let (law, c) = (&self.common.laws[segment], &self.common.constants[segment]);
+            let outer = c.filter(true).takes_shocks().then(|| self.velocities_damped(k, [0.0; 2]));
             let block = &mut self.blocks[k];
-            let (law, c) = (&self.common.laws[block.segment], &self.common.constants[block.segment]);
             if shocks_beside {
                 block.start_meeting_shocks(law.law.as_ref());
             }
             if block.waves.is_some() {
                 continue;
             }
-            let impulses = block.apply_grid_filter(law, c, outside, scratch);
+            let impulses = block.apply_grid_filter(law, c, outside, outer.unwrap_or_default(), scratch);
             if let Some(impulses) = impulses.filter(|_| c.filter(self.blocks[k].meets_shocks).takes_shocks()) {
                 self.note_shocks(k, impulses);
             }
@@ -134,16 +136,15 @@ impl Subdomain<'_> {
         let segment = self.blocks[k].segment;
         let (law, c) = (&self.common.laws[segment], &self.common.constants[segment]);
         if let Some(shocks) = self.blocks[k].find_shocks(law, self.stiffenings_beside(k, law)) {
-            let outer = self.velocities_damped(k, impulses);
+            let outer = self.velocities_damped(k, [impulses[0], -impulses[impulses.len() - 1]]);
             self.blocks[k].note_shocks(&shocks, c.velocity_gain, outer, impulses);
         }
     }
 
-    /// Velocities (m/s) at which the nodes at both edges of block `k` lose these impulses of the filter in its cells.
-    fn velocities_damped(&self, k: usize, impulses: &[f64]) -> [f64; 2] {
+    /// Velocities (m/s) at which the nodes at both edges of block `k` lose what its cells hand over by the filter, which changes them by `changes`.
+    fn velocities_damped(&self, k: usize, changes: [f64; 2]) -> [f64; 2] {
         let block = &self.blocks[k];
         let last = block.sigma.len() - 1;
-        let changes = [impulses[0], -impulses[last]];
         let ends = self.ends.each_ref().map(Option::as_deref);
         let inner = Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.beside(k);
         let outer = [(k == 0, 0, 0), (k + 1 == self.blocks.len(), 1, last)];

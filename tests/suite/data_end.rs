@@ -247,6 +247,28 @@ fn an_elastic_bar_beside_one_that_flows_at_one_stress_is_past_no_data() {
     }
 }
 
+/// The state that grids start with behind a sudden load was taken from one that the curve cannot carry away: a wave at the elastic speed, with the
+/// velocity of the striker and the largest stress of the data. The run came to its end.
+#[test]
+fn a_bar_that_has_hardened_stops_as_one_that_has_not() {
+    let bar =
+        |velocity: &str| format!("length = 0.1, area = 1e-4, {velocity} material = {SHORT}, plastic-strain = 1e-4");
+    let free = "kind = \"free\"";
+    let faces = format!("segment = [{{ {} }}, {{ {} }}]", bar("velocity = 40,"), bar("velocity = -40,"));
+    let cases = [
+        (bar(""), ["kind = \"striker\", mass = 1, velocity = 40", free]),
+        (bar(""), ["kind = \"velocity\", value = 40", free]),
+        (faces, [free, free]),
+    ];
+    for solver in [SOLVERS[0], SOLVERS[2], SOLVERS[3]] {
+        for (bar, ends) in &cases {
+            let folder = folder();
+            let text = stopped(folder.path(), &scene(solver, bar, *ends, "10 us"));
+            assert!(text.contains("beyond the end of the data of short in compression"), "{}: {text}", solver.0);
+        }
+    }
+}
+
 #[test]
 fn a_bar_that_is_compressed_to_nothing_stops_the_run() {
     let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {SOFT}");

@@ -10,6 +10,9 @@ use crate::wave::similarity::{Edge, Fan, is_elastic};
 /// Part of the length of the bar within which a front has reached a place.
 const SAME_PLACE: f64 = 1e-9;
 
+/// Part of the velocity that fans change by which both sides of a joint may differ and move together.
+const SAME_VELOCITY: f64 = 1e-6;
+
 /// What happens at an end or a joint at a moment: numbers of the fronts.
 #[derive(Debug, Default)]
 struct Visit {
@@ -95,7 +98,27 @@ impl FrontTracking {
             let fan = self.fan(&here)?;
             Some(InitialFan { origin, direction, wave_through: through, holds_until: until - fan.from, ..fan })
         };
-        sides.map(fan).collect::<Option<_>>().unwrap_or_default()
+        let mut fans: Vec<InitialFan> = sides.map(fan).collect::<Option<_>>().unwrap_or_default();
+        let above_critical = self.is_above_critical(&fans);
+        fans.iter_mut().for_each(|fan| fan.fan.above_critical = above_critical);
+        fans
+    }
+
+    /// What drives the fans of an end or a joint is more than the curve carries away: the bar does not follow the end, or the other side.
+    fn is_above_critical(&self, fans: &[InitialFan]) -> bool {
+        let short = |which: usize| self.ends[which].record.above_critical.is_some_and(|from| from <= fans[0].from);
+        match fans {
+            [InitialFan { origin: Origin::Left, .. }] => short(0),
+            [InitialFan { origin: Origin::Right, .. }] => short(1),
+            [left, right] => match [left, right].map(InitialFan::state_behind) {
+                [Some([stress, left_velocity]), Some([_, right_velocity])] => {
+                    let change = left.fan.velocity.max(right.fan.velocity);
+                    stress != 0.0 && (left_velocity - right_velocity).abs() > SAME_VELOCITY * change
+                }
+                _ => false,
+            },
+            _ => false,
+        }
     }
 
     /// The fan of these fronts of one segment, the fastest first, that start together: it runs in +x and is driven by a velocity for ever.

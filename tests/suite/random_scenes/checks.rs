@@ -80,9 +80,42 @@ pub fn check(spec: &Spec) -> Checked {
     // Along falling curves see tests/suite/muscl_bounds.rs.
     let pairs = if slow || spec.has_effect("rupture") || spec.has_falling_curve() { &[][..] } else { &done };
     let disagree = pairs.windows(2).filter_map(|pair| Some((pair[0].0, methods_disagree(spec, pair)?)));
-    let disagree: Vec<_> = disagree.collect();
-    checked.failures.extend(disagree);
+    let found: Vec<_> = disagree.chain(stops_alone(spec, &checked.became)).collect();
+    checked.failures.extend(found);
     checked
+}
+
+/// Largest part of the strain at which a method stops that the others may miss: peaks of grids are some percent too large.
+const MISSED: f64 = 0.5;
+/// How many times as many cells show the largest strains of short loads, and of waves that run together.
+const STILL_FINER: [usize; 3] = [4, 16, 64];
+
+/// Methods that stop at the end of the data, or in fully compressed material, where no other method comes near that strain, nor stops on finer cells.
+fn stops_alone(spec: &Spec, became: &[(Method, Became)]) -> Vec<(Method, Failure)> {
+    let done: Vec<_> = became.iter().filter_map(|(method, became)| Some((*method, became.figures()?))).collect();
+    // A place where strain gathers has no size: its strain goes with the cells.
+    if done.is_empty() || done.iter().any(|(_, figures)| figures.gathers) {
+        return Vec::new();
+    }
+    let strain = done.iter().map(|(_, figures)| figures.strain_of_cell).fold(0.0, f64::max);
+    let stop = |(method, became): &(Method, Became)| match became {
+        Became::Stopped(reason) if strain_of_stop(reason).is_some_and(|limit| strain < MISSED * limit) => {
+            Some((*method, Failure::new("stops alone", format!("{reason}; by the others {strain:e}"))))
+        }
+        _ => None,
+    };
+    let alone =
+        |_: &(Method, Failure)| done.iter().all(|&(by, _)| STILL_FINER.iter().all(|&n| runs(&spec.text(by, n))));
+    became.iter().filter_map(stop).filter(alone).collect()
+}
+
+/// The strain at which a run stops: at the end of the data, which the reason gives last, or without any length.
+fn strain_of_stop(reason: &str) -> Option<f64> {
+    if reason.contains("fully compressed") {
+        return Some(1.0);
+    }
+    let last = reason.contains("beyond the end of the data").then(|| reason.rsplit('(').next())??;
+    last.trim_end_matches([')', '.']).parse().ok()
 }
 
 /// Two methods agree where they differ by less than this, relative, on the scene's own cells, on twice as many, and on still more.

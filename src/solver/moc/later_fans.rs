@@ -100,7 +100,9 @@ impl FrontTracking {
         };
         let mut fans: Vec<InitialFan> = sides.map(fan).collect::<Option<_>>().unwrap_or_default();
         let above_critical = self.is_above_critical(&fans);
-        fans.iter_mut().for_each(|fan| fan.fan.above_critical = above_critical);
+        for fan in &mut fans {
+            fan.fan.above_critical = above_critical;
+        }
         fans
     }
 

@@ -85,28 +85,36 @@ pub fn check(spec: &Spec) -> Checked {
     checked
 }
 
-/// Largest part of the strain at which a method stops that the others may miss: peaks of grids are some percent too large.
-const MISSED: f64 = 0.5;
-/// How many times as many cells show the largest strains of short loads, and of waves that run together.
-const STILL_FINER: [usize; 3] = [4, 16, 64];
+/// Parts of the strain at which a method stops to which the others have to come, on the scene's cells or on much finer ones.
+const NEAR: [f64; 2] = [0.5, 0.9];
+/// How many times as many cells show the largest strains of short loads, and of waves that run together; and by how much a strain still grows then that
+/// is not resolved yet.
+const STILL_FINER: [usize; 2] = [16, 64];
+const GROWS: f64 = 1.5;
 
-/// Methods that stop at the end of the data, or in fully compressed material, where no other method comes near that strain, nor stops on finer cells.
+/// Methods that stop at the end of the data, or in fully compressed material, where no other method comes near that strain, on finer cells either.
 fn stops_alone(spec: &Spec, became: &[(Method, Became)]) -> Vec<(Method, Failure)> {
     let done: Vec<_> = became.iter().filter_map(|(method, became)| Some((*method, became.figures()?))).collect();
-    // A place where strain gathers has no size: its strain goes with the cells.
-    if done.is_empty() || done.iter().any(|(_, figures)| figures.gathers) {
+    // A place where strain gathers has no size: its strain goes with the cells, and so does whether it breaks before its data end.
+    if done.is_empty() || spec.has_effect("rupture") || done.iter().any(|(_, figures)| figures.gathers) {
         return Vec::new();
     }
-    let strain = done.iter().map(|(_, figures)| figures.strain_of_cell).fold(0.0, f64::max);
-    let stop = |(method, became): &(Method, Became)| match became {
-        Became::Stopped(reason) if strain_of_stop(reason).is_some_and(|limit| strain < MISSED * limit) => {
-            Some((*method, Failure::new("stops alone", format!("{reason}; by the others {strain:e}"))))
-        }
-        _ => None,
+    let comes_near = |limit: f64, &(by, figures): &(Method, &Figures)| {
+        let finer = |n: usize| figures_of(&spec.text(by, n)).map(|figures| figures.strain_of_cell);
+        figures.strain_of_cell >= NEAR[0] * limit
+            || match STILL_FINER.map(finer) {
+                [Some(before), Some(strain)] => strain >= NEAR[1] * limit || strain > GROWS * before,
+                // It stops itself.
+                _ => true,
+            }
     };
-    let alone =
-        |_: &(Method, Failure)| done.iter().all(|&(by, _)| STILL_FINER.iter().all(|&n| runs(&spec.text(by, n))));
-    became.iter().filter_map(stop).filter(alone).collect()
+    let alone = |(method, became): &(Method, Became)| {
+        let Became::Stopped(reason) = became else { return None };
+        let limit = strain_of_stop(reason)?;
+        let alone = !done.iter().any(|other| comes_near(limit, other));
+        alone.then(|| (*method, Failure::new("stops alone", reason.clone())))
+    };
+    became.iter().filter_map(alone).collect()
 }
 
 /// The strain at which a run stops: at the end of the data, which the reason gives last, or without any length.

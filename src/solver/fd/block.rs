@@ -421,13 +421,17 @@ impl Block {
             node if node == cells => outer[1],
             node => self.v[node] - 0.5 * self.velocity_increment(gain, node),
         };
-        let mut left = velocity(start);
-        for (difference, node) in into.iter_mut().zip(start + 1..=end) {
-            let right = velocity(node);
-            *difference = right - left;
-            left = right;
+        let into = &mut into[..end - start];
+        let inner = start.max(1)..end.min(cells - 1);
+        let in_rows = self.taper.is_none() && !inner.is_empty();
+        if in_rows {
+            let (sigma, v) = (&self.sigma[inner.start - 1..=inner.end], &self.v[inner.start..=inner.end]);
+            mean_differences(gain, sigma, v, &mut into[inner.start - start..inner.end - start]);
         }
-        &into[..end - start]
+        for cell in (start..end).filter(|cell| !in_rows || !inner.contains(cell)) {
+            into[cell - start] = velocity(cell + 1) - velocity(cell);
+        }
+        into
     }
 
     /// Steps the stresses of a block that is not at rest, then the nodes inside it. The nodes at its two edges belong to the
@@ -657,6 +661,18 @@ impl NodeMotion {
         self.products += mass * node.products;
         self.sums += mass * node.sums;
         self.squares += mass * node.squares;
+    }
+}
+
+/// Velocity differences at the time of the stresses of cells with neighbours on both sides; `sigma` has one more on either side.
+#[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+fn mean_differences(gain: f64, sigma: &[f64], v: &[f64], into: &mut [f64]) {
+    let cells = into.len();
+    let (before, own, after) = (&sigma[..cells], &sigma[1..=cells], &sigma[2..cells + 2]);
+    let (left, right) = (&v[..cells], &v[1..=cells]);
+    for i in 0..cells {
+        let right = right[i] - 0.5 * (gain * (after[i] - own[i]));
+        into[i] = right - (left[i] - 0.5 * (gain * (own[i] - before[i])));
     }
 }
 

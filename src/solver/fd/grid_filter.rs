@@ -19,8 +19,8 @@
 //! difference (von Neumann and Richtmyer) up to a limit from which it is linear (Landshoff): a shock is some four cells wide then. The difference is
 //! that at the time of the stresses, the mean of those before and after the step: with it viscosity takes energy at any size, and its delay does not
 //! act as dispersion. (Along a curve that is followed both ways, a shock from yield in tension to beyond yield in compression stops at yield, and
-//! slower plastic waves follow. Dispersion holds them together.) In a cell that has flowed and is elastic again the filter damps what exceeds the mean of the neighbours', a hyperviscosity: the elastic
-//! waves of a few cells that a shock leaves behind decay, long ones go on.
+//! slower plastic waves follow. Dispersion holds them together.) In a cell that has flowed and is elastic again the filter damps what exceeds the
+//! mean of the neighbours', a hyperviscosity: the elastic waves of a few cells that a shock leaves behind decay, long ones go on.
 //!
 //! All are equal and opposite impulses on the two nodes of the cell: momentum is conserved to the last bit, and the energy
 //! taken is booked as `numerical` in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
@@ -51,8 +51,8 @@ const OVERSHOOT_SHARE: f64 = 0.1;
 const VISCOUS_SHARES: [f64; 2] = [0.5, 0.2];
 
 /// Likewise, fraction of that of a cell inside a shock that reverses the stress, from where it leaves the curve in one sense. Of bars that are pulled
-/// and then released or pushed, along five curves followed both ways, the stress differs from front tracking's by 4.6 % of the mean with 200 and 1.7 % with 800
-/// cells; with 0.35 by 4.6 and 1.8 %, with 0.5 by 4.8 and 1.5 %, and peaks behind shocks are then 2 % too large.
+/// and then released or pushed, along five curves followed both ways, the stress differs from front tracking's by 4.6 % of the mean with 200 and
+/// 1.7 % with 800 cells; with 0.35 by 4.6 and 1.8 %, with 0.5 by 4.8 and 1.5 %, and peaks behind shocks are then 2 % too large.
 const CROSSING_SHARE: f64 = 0.4;
 
 /// Cells of a shock. The stress that artificial viscosity adds goes with the square of the velocity difference (von Neumann and Richtmyer), so that

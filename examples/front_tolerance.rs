@@ -10,7 +10,7 @@ mod long_bars;
 
 use std::time::{Duration, Instant};
 
-use barwave::solver::moc::{COARSER, FrontTracking, Settings};
+use barwave::solver::moc::{FrontTracking, Settings};
 use long_bars::{Case, cases, difference, figure};
 use rayon::prelude::*;
 
@@ -23,8 +23,7 @@ const REPEATS: usize = 3;
 
 /// A run up to its end; none where it takes too many events or too long.
 fn finer(case: &Case, tolerance: f64, deadline: Instant) -> Option<FrontTracking> {
-    let settings = Settings { front_tolerance: tolerance, event_budget: MOST_EVENTS, ..Settings::default() };
-    let mut run = FrontTracking::new(&case.bar, case.flow, case.ends.clone(), settings);
+    let mut run = case.start(Settings { front_tolerance: tolerance, event_budget: MOST_EVENTS, ..Settings::default() });
     while !run.advance_for(case.until(), BURST).ok()? {
         if Instant::now() > deadline {
             return None;
@@ -55,8 +54,8 @@ fn lines(case: &Case, runs: &[(f64, FrontTracking, f64)], deadline: Instant) -> 
         let truth = if reached { finer(case, 0.01 * tolerance, deadline) } else { None };
         reached = truth.is_some();
         let error = truth.map_or_else(String::new, |truth| format!("{:.3e}", difference(run, &truth)));
-        let (companion, ended) = case.run(COARSER * tolerance, MOST_EVENTS);
-        let figure = ended.map_or_else(|_| String::new(), |()| format!("{:.3e}", figure(case, run, &companion)));
+        let settings = Settings { front_tolerance: *tolerance, event_budget: MOST_EVENTS, ..Settings::default() };
+        let figure = figure(case, run, settings).map_or_else(|_| String::new(), |figure| format!("{figure:.3e}"));
         let balance = run.balance();
         let taken = balance.thinned / balance.total();
         let (events, fronts) = (run.events(), run.front_count());

@@ -1,24 +1,111 @@
-//! Error of a front-tracking run, estimated from a companion run with a coarser tolerance.
+//! Error of a front-tracking run, estimated from companion runs with larger and smaller tolerances.
 
 use super::Response;
 use crate::record::{ErrorTable, Measure};
-use crate::solver::moc::{FrontTracking, SAFETY};
+use crate::solver::moc::{COMPANION, FrontTracking, Settings};
 
-/// Errors of a tracked bar that gave `response`, >= 0: [`SAFETY`] times the differences from a companion with [`COARSER`] times its
-/// tolerance.
-///
-/// [`COARSER`]: crate::solver::moc::COARSER
-pub fn front_errors(run: &FrontTracking, response: &Response, companion: &Response) -> ErrorTable {
-    let apart = companion.apart(response, response);
-    let merged = || {
-        // A companion that merged just what the run did tells nothing; the sum of all merges is too much, but no less.
-        let total = response.fields.last().map_or(0.0, |(_, field)| field.apart(field).1);
-        if total > 0.0 { run.merged() / total } else { 0.0 }
-    };
-    let stress = [Measure::Field, Measure::FieldAtEnd];
-    ErrorTable::of(|measure| {
-        let apart = apart[measure]?;
-        let error = if apart == 0.0 && stress.contains(&measure) { merged() } else { SAFETY * apart };
-        Some(error.max(run.unresolved()))
-    })
+/// The estimate, over the difference from a companion. If errors were proportional to the tolerance, the difference from a finer companion
+/// would be two thirds of the error, and that from a coarser one twice the error. They fall faster or slower by chance:
+/// `docs/front-tolerance.md` has measurements.
+pub const SAFETY_OF_TRACKING: f64 = 1.5;
+
+/// Events that finer companions may take: so many times those of the run, and so many more (some milliseconds).
+const EVENTS: u64 = 2;
+const FREE_EVENTS: u64 = 5_000;
+
+/// Finer companions at most, each with a third of the tolerance of the one before. A merge that changes a run of few events may be made
+/// with many tolerances in the same way.
+const MOST_FINER: usize = 6;
+
+/// The last companion tells the error where one more changed the difference by no more than this part.
+const SETTLED: f64 = 0.2;
+
+/// What a run is compared with.
+#[derive(Debug)]
+pub struct Companions {
+    coarser: Response,
+    finer: Option<Finer>,
+}
+
+/// A companion with a smaller tolerance.
+#[derive(Debug)]
+pub struct Finer {
+    /// Its settings.
+    pub settings: Settings,
+    /// No wave was merged.
+    pub is_exact: bool,
+    response: Response,
+}
+
+impl Companions {
+    /// A coarser companion alone.
+    pub fn coarser(response: Response) -> Self {
+        Self { coarser: response, finer: None }
+    }
+
+    /// Adds the finest companion that a multiple of the run's events is expected to pay for, if there is one. `coarser` is the number of
+    /// events of the coarser one; `follow` simulates the bar with other settings, and gives none where it does not come to its end.
+    ///
+    /// # Errors
+    /// Those of `follow`.
+    pub fn with_finer<E>(
+        mut self,
+        (run, response): (&FrontTracking, &Response),
+        coarser: u64,
+        mut settings: Settings,
+        mut follow: impl FnMut(Settings) -> Result<Option<(FrontTracking, Response)>, E>,
+    ) -> Result<Self, E> {
+        let mut left = settings.event_budget.min(EVENTS * run.events() + FREE_EVENTS);
+        let mut events = [coarser, run.events()];
+        let mut apart = f64::NAN;
+        for _ in 0..MOST_FINER {
+            if expected(events) > left as f64 {
+                break;
+            }
+            settings = Settings { event_budget: left, ..settings.finer() };
+            let Some((bar, finer)) = follow(settings)? else { break };
+            left = left.saturating_sub(bar.events());
+            events = [events[1], bar.events()];
+            let before = apart;
+            apart = response.apart(&finer, response).largest().map_or(0.0, |largest| largest.1);
+            let is_exact = bar.is_exact();
+            self.finer = Some(Finer { settings, is_exact, response: finer });
+            if is_exact || apart > 0.0 && (apart - before).abs() <= SETTLED * apart {
+                break;
+            }
+        }
+        Ok(self)
+    }
+
+    /// The finer companion, if there is one.
+    pub fn finer(&self) -> Option<&Finer> {
+        self.finer.as_ref()
+    }
+
+    /// Errors of the run that gave `response`, >= 0.
+    pub fn errors(&self, run: &FrontTracking, response: &Response) -> ErrorTable {
+        let coarser = self.coarser.apart(response, response);
+        let finer = self.finer.as_ref().map(|finer| (finer.is_exact, response.apart(&finer.response, response)));
+        let merged = || {
+            // Companions that merged just what the run did tell nothing; the sum of all merges is too much, but no less.
+            let total = response.fields.last().map_or(0.0, |(_, field)| field.apart(field).1);
+            if total > 0.0 { run.merged() / total } else { 0.0 }
+        };
+        ErrorTable::of(|measure| {
+            let coarser = coarser[measure]?;
+            let error = match &finer {
+                Some((true, apart)) => return Some(apart[measure]?.max(run.unresolved())),
+                Some((false, apart)) => (SAFETY_OF_TRACKING * apart[measure]?).max(coarser / COMPANION),
+                None => SAFETY_OF_TRACKING * coarser,
+            };
+            let of_stress = matches!(measure, Measure::Field | Measure::FieldAtEnd);
+            Some(if error == 0.0 && of_stress { merged() } else { error }.max(run.unresolved()))
+        })
+    }
+}
+
+/// Events of the next finer companion, if they grow from run to run as they did between the last two; they seldom fall.
+fn expected([before, last]: [u64; 2]) -> f64 {
+    let growth = (last as f64 / before.max(1) as f64).max(1.0);
+    last as f64 * growth
 }

@@ -1,13 +1,13 @@
-//! Companion runs of a front-tracking bar: one with a coarser tolerance for the error estimate, and the search for a tolerance with
+//! Companion runs of a front-tracking bar: those with other tolerances for the error estimate, and the search for a tolerance with
 //! which the run stays within the event limit.
 
 use super::{Progress, accuracy};
-use crate::accuracy::{Course, Ended, INSTANTS, Response, front_errors, respond};
+use crate::accuracy::{Companions, Course, Ended, INSTANTS, Response, SAFETY_OF_TRACKING, respond};
 use crate::assemble;
 use crate::error::{Error, Result};
 use crate::record::{ErrorFigure, ErrorTable};
 use crate::scene::Scene;
-use crate::solver::moc::{COARSER, FrontTracking, SAFETY, Settings};
+use crate::solver::moc::{COMPANION, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
 /// Tolerances that are tried when a run used up its events: the largest, and the smallest.
@@ -67,20 +67,47 @@ pub(super) fn error_figure(
     if run.is_exact() && scene.discretized.is_none() {
         return Ok(Some(exact(run.unresolved())));
     }
-    let coarser = coarser(settings);
-    let staircase = coarser_staircase(scene);
-    let staircase_or_scene = staircase.as_ref().unwrap_or(scene);
-    let instants = response.instants();
-    let companion = tracked(staircase_or_scene, coarser, &instants, progress)?;
-    let Some((_, companion)) = companion else { return Ok(None) };
-    let table = front_errors(run, response, &companion);
-    let pieces = if staircase.is_some() { " and coarser uniform pieces" } else { "" };
-    let reference = if coarser.front_tolerance > 0.0 {
-        format!("run with front-tolerance {:.1e}{pieces}, safety factor {SAFETY} (estimate)", coarser.front_tolerance)
-    } else {
-        format!("run with ramps in steps of {:.1e}{pieces}, safety factor {SAFETY} (estimate)", coarser.step())
+    let Some(companions) = companions(scene, settings, (run, response), progress)? else { return Ok(None) };
+    let reference = match companions.finer() {
+        Some(finer) if finer.is_exact => format!("run with {}, which merged no fronts", steps(finer.settings)),
+        finer => {
+            let settings = finer.map_or(settings.coarser(), |finer| finer.settings);
+            let pieces = if coarser_staircase(scene).is_some() { " and coarser uniform pieces" } else { "" };
+            format!("run with {}{pieces}, safety factor {SAFETY_OF_TRACKING} (estimate)", steps(settings))
+        }
     };
-    Ok(Some(accuracy::figure(table, reference)))
+    Ok(Some(accuracy::figure(companions.errors(run, response), reference)))
+}
+
+/// How finely the fronts of a companion are kept apart, in words.
+fn steps(settings: Settings) -> String {
+    if settings.front_tolerance > 0.0 {
+        format!("front-tolerance {:.1e}", settings.front_tolerance)
+    } else {
+        format!("ramps in steps of {:.1e}", settings.step())
+    }
+}
+
+/// Companions of a finished run that gave `response`. None where the coarser one does not get to the end.
+///
+/// # Errors
+/// [`Error::Interrupted`] if `progress` requests a stop.
+pub(super) fn companions(
+    scene: &Scene,
+    settings: Settings,
+    (run, response): (&FrontTracking, &Response),
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Option<Companions>> {
+    let instants = response.instants();
+    let staircase = coarser_staircase(scene);
+    let coarser = tracked(staircase.as_ref().unwrap_or(scene), settings.coarser(), &instants, progress)?;
+    let Some((bar, coarser)) = coarser else { return Ok(None) };
+    let companions = Companions::coarser(coarser);
+    if staircase.is_some() {
+        return Ok(Some(companions));
+    }
+    let follow = |settings| tracked(scene, settings, &instants, progress);
+    companions.with_finer((run, response), bar.events(), settings, follow).map(Some)
 }
 
 /// The scene with its tapers and initial states in coarser pieces than the run's: the error of a staircase goes with its steps. None
@@ -88,7 +115,7 @@ pub(super) fn error_figure(
 fn coarser_staircase(scene: &Scene) -> Option<Scene> {
     let cut = scene.discretized.as_ref()?;
     let has_steps = cut.of.len() > cut.original.bar.segments.len() || cut.steps > 0;
-    has_steps.then(|| cut.original.discretized_finer_than((COARSER * cut.share).min(COARSEST)))
+    has_steps.then(|| cut.original.discretized_finer_than((COMPANION * cut.share).min(COARSEST)))
 }
 
 /// Of a run whose fronts were all kept; `unresolved` is what part of its energy rounding moved.
@@ -99,19 +126,6 @@ fn exact(unresolved: f64) -> ErrorFigure {
         (0.0, "exact solution for the tabulated curve: no fronts were merged")
     };
     accuracy::figure(ErrorTable::of(|_| Some(value)), reference.into())
-}
-
-/// The settings of a companion: three times the error. The error of merged waves is proportional to the tolerance; that of
-/// ramps to the square of their steps, which are larger than tolerances below [`crate::solver::moc::RAMP_STEP`].
-pub(super) fn coarser(settings: Settings) -> Settings {
-    let front_tolerance = COARSER * settings.front_tolerance;
-    let ramps = if settings.front_tolerance < settings.step() { COARSER.sqrt() } else { COARSER };
-    Settings {
-        front_tolerance,
-        ramp_step: Some(front_tolerance.max(ramps * settings.step())),
-        front_segments: false,
-        ..settings
-    }
 }
 
 /// A front tolerance with which a run was seen to reach its end within its events; none where none of those tried does. They are tried
@@ -125,12 +139,12 @@ pub(super) fn tolerance_that_carries(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<f64>> {
     let (mut left, mut tolerance, mut carries) = (settings.event_budget, LARGEST_TRIED, None);
-    while tolerance >= SMALLEST_TRIED.max(COARSER * settings.front_tolerance) {
+    while tolerance >= SMALLEST_TRIED.max(COMPANION * settings.front_tolerance) {
         let tried = Settings { front_tolerance: tolerance, event_budget: left, ..settings };
         let Some((bar, _)) = tracked(scene, tried, &[scene.solve.until], progress)? else { break };
         carries = Some(tolerance);
         left = left.saturating_sub(bar.events());
-        tolerance /= COARSER;
+        tolerance /= COMPANION;
     }
     Ok(carries)
 }

@@ -1,7 +1,7 @@
 //! How long the solver takes for a run on this machine: tried out, from the start of the run and a coarse run of the same scene.
 
+use super::history_places;
 use super::limits::limits;
-use super::{companion, history_places};
 use crate::assemble;
 use crate::record::{Stepped, Traces};
 use crate::scene::{Method, Scene, Solve};
@@ -70,7 +70,7 @@ fn coarser(method: Method, start: &Course) -> Option<Method> {
     let less = (0.5 * LIMIT * start.share() / start.seconds()).sqrt();
     if let Method::FrontTracking { front_tolerance, event_budget } = method {
         let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
-        let coarser = companion::coarser(settings).front_tolerance.max(front_tolerance / less);
+        let coarser = settings.coarser().front_tolerance.max(front_tolerance / less);
         return (coarser > 0.0).then(|| method.with_front_tolerance(coarser));
     }
     let cells = (less * method.cells()? as f64) as usize;

@@ -1,9 +1,10 @@
 //! Ten bars in which waves multiply: fans that meet reflections, unloading, steps in area, other materials.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
+use std::convert::Infallible;
 use std::sync::Arc;
 
-use barwave::accuracy::{FrontListener, front_errors};
+use barwave::accuracy::{Companions, FrontListener, Response};
 use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::Measure;
@@ -82,26 +83,47 @@ impl Case {
         10.0 * self.bar.transit_time()
     }
 
+    /// The bar before a run.
+    pub fn start(&self, settings: Settings) -> FrontTracking {
+        FrontTracking::new(&self.bar, self.flow, self.ends.clone(), settings)
+    }
+
     /// The bar at the end of a run with this front tolerance.
     pub fn run(&self, front_tolerance: f64, event_budget: u64) -> (FrontTracking, Result<(), Stopped>) {
-        let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
-        let mut run = FrontTracking::new(&self.bar, self.flow, self.ends.clone(), settings);
+        let mut run = self.start(Settings { front_tolerance, event_budget, ..Settings::default() });
         let ended = run.advance_to(self.until());
         (run, ended)
     }
-}
 
-/// How far a run may be off at its end, in stress or in plastic strain, by a companion.
-pub fn figure(case: &Case, run: &FrontTracking, companion: &FrontTracking) -> f64 {
-    let response = |run: &FrontTracking| {
-        let mut listener = FrontListener::new(&case.bar, 0);
+    /// What is compared of a run: its end.
+    fn response(&self, run: &FrontTracking) -> Response {
+        let mut listener = FrontListener::new(&self.bar, 0);
         listener.look(run);
         listener.response(run)
+    }
+}
+
+/// How far a run may be off at its end, in stress or in plastic strain, by its companions.
+///
+/// # Errors
+/// The coarser companion does not come to its end.
+pub fn figure(case: &Case, run: &FrontTracking, settings: Settings) -> Result<f64, Stopped> {
+    let follow = |settings| -> Result<(FrontTracking, Response), Stopped> {
+        let mut bar = case.start(settings);
+        bar.advance_to(case.until())?;
+        let response = case.response(&bar);
+        Ok((bar, response))
     };
-    let errors = front_errors(run, &response(run), &response(companion));
+    let response = case.response(run);
+    let (coarser, its_response) = follow(settings.coarser())?;
+    let companions = Companions::coarser(its_response);
+    let Ok(companions) = companions.with_finer((run, &response), coarser.events(), settings, |settings| {
+        Ok::<_, Infallible>(follow(settings).ok())
+    });
+    let errors = companions.errors(run, &response);
     let [stress, plastic] =
         [Measure::FieldAtEnd, Measure::ResidualStrain].map(|measure| errors[measure].unwrap_or(0.0));
-    stress.max(plastic)
+    Ok(stress.max(plastic))
 }
 
 /// Relative L1 difference of stress of a run from a better one.

@@ -6,11 +6,11 @@ use super::candidate::{
     Candidate, FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MOST_CELLS, PATIENCE, Pilot,
     nominal,
 };
-use crate::accuracy::{INSTANTS, Response, evenly, extrapolate, front_errors};
+use crate::accuracy::{INSTANTS, Response, evenly, extrapolate};
 use crate::bar::initial_fans;
 use crate::error::{Error, Result};
 use crate::scene::{Method, Scene};
-use crate::solver::moc::{COARSER, FrontTracking, Settings};
+use crate::solver::moc::{COMPANION, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
 /// Front tracking tells something of a grid where its estimate is no more than this part of that one's.
@@ -66,6 +66,15 @@ pub(super) fn front_pilot(
         candidate.out = Some(format!("it would need a front tolerance below {LEAST_TOLERANCE:e}"));
         return Ok(());
     }
+    let expected = candidate.next_pilot(scene) / nominal(scene, method);
+    if rival.is_finite() && expected > event_budget as f64 {
+        let why = format!(
+            "about {expected:.0e} front interactions are expected with a front tolerance of {front_tolerance:.1e}, and \
+             max-events is {event_budget}"
+        );
+        candidate.out = Some(why);
+        return Ok(());
+    }
     let most = (PATIENCE * rival / nominal(scene, method)).max(4.0 * FEW_EVENTS as f64).min(event_budget as f64) as u64;
     let settings = Settings { front_tolerance, event_budget: most, ..Settings::default() };
     // What would be worth more to nobody is out; else it may come to that yet.
@@ -79,14 +88,14 @@ pub(super) fn front_pilot(
         return Ok(());
     };
     let Some(estimate) = front_estimate(scene, settings, (&bar, &response), progress)? else {
-        let coarser = COARSER * front_tolerance;
+        let coarser = COMPANION * front_tolerance;
         let why = || format!("a run with a front tolerance of {coarser:.1e} has more front interactions");
         (candidate.too_expensive, candidate.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
     let before = candidate.pilots.last().map(|p| p.estimate);
     let order = before.map_or(FRONT_ORDER, |before| {
-        ((before / estimate).ln() / COARSER.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
+        ((before / estimate).ln() / COMPANION.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
     });
     candidate.pilots.push(Pilot { method, estimate, order, work: bar.events() });
     Ok(())
@@ -148,10 +157,9 @@ fn front_estimate(
     let table = if let Some(exact) = bar.ruptures().is_empty().then(similar).flatten() {
         response.errors(&exact)
     } else {
-        let instants = companion::instants(scene.solve.until);
-        let coarser = companion::tracked(scene, companion::coarser(settings), &instants, progress)?;
-        let Some((_, coarser)) = coarser else { return Ok(None) };
-        front_errors(bar, response, &coarser)
+        let companions = companion::companions(scene, settings, (bar, response), progress)?;
+        let Some(companions) = companions else { return Ok(None) };
+        companions.errors(bar, response)
     };
     Ok(table.largest().map(|largest| largest.1))
 }

@@ -2,13 +2,6 @@
 
 use super::{FrontTracking, Piece};
 
-/// The companion's tolerance, over the run's.
-pub const COARSER: f64 = 3.0;
-
-/// The figure, over the difference of the two runs. If errors fell in proportion to the tolerance the difference would
-/// be twice the error. They fall faster or slower by chance: `docs/front-tolerance.md` has measurements.
-pub const SAFETY: f64 = 2.5;
-
 impl FrontTracking {
     /// Integral over x of |difference of stress| from another run of the same bar, and of this run's |stress|, Pa m: exact
     /// sums over the constant pieces of both.

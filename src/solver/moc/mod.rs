@@ -37,7 +37,6 @@ mod stepping;
 mod sums;
 mod tracking;
 
-pub use compare::{COARSER, SAFETY};
 pub use end::{EndRecord, EndStep, StrikerState};
 pub use front_segment::FrontSegment;
 pub use joint_clock::{JointChange, JointState};
@@ -69,6 +68,9 @@ pub struct Settings {
     pub stop_at_limits: bool,
 }
 
+/// The error of a coarser companion, over the run's; that of the run, over a finer companion's.
+pub const COMPANION: f64 = 3.0;
+
 /// The front tolerance below which the step of ramps falls with the root of the tolerance only.
 pub const RAMP_STEP: f64 = 1e-3;
 
@@ -80,6 +82,26 @@ impl Settings {
     pub fn step(&self) -> f64 {
         let finer = (RAMP_STEP * self.front_tolerance).sqrt();
         self.ramp_step.unwrap_or_else(|| self.front_tolerance.max(finer).max(FINEST_STEP))
+    }
+
+    /// The settings of a companion with [`COMPANION`] times the error.
+    #[must_use]
+    pub fn coarser(self) -> Self {
+        let front_tolerance = COMPANION * self.front_tolerance;
+        Self { front_tolerance, ramp_step: Some(front_tolerance.max(self.step_factor() * self.step())), ..self }
+    }
+
+    /// The settings of a companion with this part of the error.
+    #[must_use]
+    pub fn finer(self) -> Self {
+        let front_tolerance = self.front_tolerance / COMPANION;
+        Self { front_tolerance, ramp_step: Some(front_tolerance.max(self.step() / self.step_factor())), ..self }
+    }
+
+    /// The step of ramps, over that of a companion. The error of merged waves is proportional to the tolerance; that of ramps to the
+    /// square of their steps, which are larger than tolerances below [`RAMP_STEP`].
+    fn step_factor(&self) -> f64 {
+        if self.front_tolerance < self.step() { COMPANION.sqrt() } else { COMPANION }
     }
 }
 

@@ -413,20 +413,26 @@ impl Block {
         Some(impulses)
     }
 
+    /// Velocity of a node at the time of the stresses, m/s: in the middle of its step. Of what the filter has added to it since (`filtered`), half
+    /// counts. `outer` are the velocities of the nodes at both edges.
+    pub fn velocity_at_stresses(&self, node: usize, gain: f64, outer: [f64; 2], filtered: f64) -> f64 {
+        match node {
+            0 => outer[0],
+            node if node == self.sigma.len() => outer[1],
+            node => self.v[node] - 0.5 * (filtered + self.velocity_increment(gain, node)),
+        }
+    }
+
     /// Velocity differences of the cells at work at the time of the stresses, m/s; `outer` are the velocities of the nodes at both edges.
     fn mean_differences<'a>(&self, gain: f64, outer: [f64; 2], into: &'a mut [f64]) -> &'a [f64] {
         let (cells, Range { start, end }) = (self.sigma.len(), self.active.clone());
-        let velocity = |node: usize| match node {
-            0 => outer[0],
-            node if node == cells => outer[1],
-            node => self.v[node] - 0.5 * self.velocity_increment(gain, node),
-        };
+        let velocity = |node: usize| self.velocity_at_stresses(node, gain, outer, 0.0);
         let into = &mut into[..end - start];
         let inner = start.max(1)..end.min(cells - 1);
         let in_rows = self.taper.is_none() && !inner.is_empty();
         if in_rows {
             let (sigma, v) = (&self.sigma[inner.start - 1..=inner.end], &self.v[inner.start..=inner.end]);
-            mean_differences(gain, sigma, v, &mut into[inner.start - start..inner.end - start]);
+            mean_differences_inside(gain, sigma, v, &mut into[inner.start - start..inner.end - start]);
         }
         for cell in (start..end).filter(|cell| !in_rows || !inner.contains(cell)) {
             into[cell - start] = velocity(cell + 1) - velocity(cell);
@@ -666,7 +672,7 @@ impl NodeMotion {
 
 /// Velocity differences at the time of the stresses of cells with neighbours on both sides; `sigma` has one more on either side.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn mean_differences(gain: f64, sigma: &[f64], v: &[f64], into: &mut [f64]) {
+fn mean_differences_inside(gain: f64, sigma: &[f64], v: &[f64], into: &mut [f64]) {
     let cells = into.len();
     let (before, own, after) = (&sigma[..cells], &sigma[1..=cells], &sigma[2..cells + 2]);
     let (left, right) = (&v[..cells], &v[1..=cells]);

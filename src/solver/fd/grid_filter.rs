@@ -124,16 +124,15 @@ impl Shocks {
 impl Filter {
     /// Where elastic waves run at `c0` (m/s), with this Courant number.
     pub fn new(c0: f64, courant: f64, shocks: Shocks) -> Self {
-        let kinds = [shocks.loading, shocks.unloading];
         let rise = |distance: f64| SHOCK_CELLS * SHOCK_CELLS * distance * courant / c0;
         Self {
             rounding: ROUNDING * c0,
             zigzag: ZIGZAG_SHARE * courant,
             overshoot: OVERSHOOT_SHARE * courant,
-            viscous: [0, 1].map(|kind| if kinds[kind] == [0.0; 2] { 0.0 } else { VISCOUS_SHARES[kind] * courant }),
+            viscous: VISCOUS_SHARES.map(|share| share * courant),
             rise: [0, 1].map(|side| [rise(shocks.loading[side]), rise(shocks.unloading[side])]),
             ringing: RINGING_SHARE * courant,
-            crossing: if kinds[1] == [0.0; 2] { 0.0 } else { CROSSING_SHARE * courant },
+            crossing: if shocks.unloading == [0.0; 2] { 0.0 } else { CROSSING_SHARE * courant },
             alternating: largest_alternating_share(courant),
         }
     }

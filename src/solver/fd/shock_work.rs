@@ -66,13 +66,9 @@ impl Block {
     /// in the mean, so that all cells together lose what all nodes do.
     pub fn note_shocks(&mut self, shocks: &InShock, velocity_gain: f64, outer: [f64; 2], impulses: &[f64]) {
         let cells = self.sigma.len();
-        let velocity = |node: usize| match node {
-            0 => outer[0],
-            node if node == cells => outer[1],
-            node => {
-                let filtered = impulses[node] - impulses[node - 1];
-                self.v[node] - 0.5 * (filtered + self.velocity_increment(velocity_gain, node))
-            }
+        let velocity = |node: usize| {
+            let filtered = if (1..cells).contains(&node) { impulses[node] - impulses[node - 1] } else { 0.0 };
+            self.velocity_at_stresses(node, velocity_gain, outer, filtered)
         };
         let inside = self.active.clone().filter(|&cell| impulses[cell] != 0.0 && shocks.contains(cell));
         let taken = |cell: usize| self.area(cell) * impulses[cell] * (velocity(cell + 1) - velocity(cell));

@@ -2,7 +2,8 @@
 //!
 //! The two ends are eliminated last. What is left for them is a matrix of two rows, so that a device sees one effective
 //! mass; it is the effect of one end on the other, through the whole bar, that its off-diagonal holds. The nodes between
-//! them are eliminated from both sides towards the middle: two chains of operations that a processor runs side by side.
+//! them are eliminated from both sides towards the middle, and each half in two pieces where the second one does not feel the far end of the
+//! first: four chains of operations that a processor runs side by side.
 
 /// Below this part of an end's own change its effect on another node is far below rounding.
 const NEGLIGIBLE: f64 = 1e-20;
@@ -14,6 +15,9 @@ const NOTHING: f64 = 1e-120;
 /// Nodes between two looks for such tails.
 const LOOK: usize = 64;
 
+/// Pieces are at least so many times as long as what is felt ahead of them, which is done twice.
+const LEAST_PIECES: f64 = 2.0;
+
 /// `A = A^T` over the nodes 0..=n; the nodes between the ends in the factors `W D W^T`, W with ones on its diagonal, and
 /// beside it left of it up to the middle node, right of it beyond.
 #[derive(Debug, Clone, Default)]
@@ -22,13 +26,14 @@ pub(super) struct Matrix {
     cells: usize,
     /// The node at which the eliminations from both sides meet.
     middle: usize,
-    /// Element of W in the row of node j, towards the end from which it is reached; at the middle node that to its left,
-    /// 0 next to the ends, and unused at them.
-    beside: Vec<f64>,
-    /// That of the middle node to its right.
-    middle_right: f64,
+    /// Elements of W in the rows of the nodes from the left end, and from the right end, up to the middle node, each towards that end; 0 next to it.
+    beside: [Vec<f64>; 2],
     /// 1 over the pivot of row j. Unused at 0 and n.
     inverse: Vec<f64>,
+    /// Nodes of each of the two pieces of a half that are done side by side; 0: halves are not cut.
+    piece: usize,
+    /// Nodes ahead of a piece that are felt in it.
+    ahead: usize,
     /// Each node stands for itself.
     diagonal: bool,
     /// Elements between the ends and their neighbours.
@@ -47,39 +52,48 @@ impl Matrix {
     /// It must be positive definite.
     pub fn new(cells: usize, diagonal: impl Fn(usize) -> f64, between: impl Fn(usize) -> f64) -> Self {
         let middle = cells / 2;
-        let (mut beside, mut inverse) = (vec![0.0; cells + 1], vec![0.0; cells + 1]);
-        for j in 1..middle {
-            let element = if j > 1 { between(j - 1) } else { 0.0 };
-            beside[j] = element * inverse[j - 1];
-            inverse[j] = 1.0 / (diagonal(j) - element * beside[j]);
-        }
-        for j in (middle + 1..cells).rev() {
-            let element = if j + 1 < cells { between(j) } else { 0.0 };
-            beside[j] = element * inverse[j + 1];
-            inverse[j] = 1.0 / (diagonal(j) - element * beside[j]);
-        }
-        let left = if middle > 1 { between(middle - 1) } else { 0.0 };
-        let right = if middle + 1 < cells { between(middle) } else { 0.0 };
-        beside[middle] = left * inverse[middle - 1];
-        let middle_right = right * inverse[middle + 1];
-        inverse[middle] = 1.0 / (diagonal(middle) - left * beside[middle] - right * middle_right);
-        let off = [between(0), between(cells - 1)];
-        let follow = [Vec::new(), Vec::new()];
-        let diagonal_alone = (0..cells).all(|i| between(i) == 0.0);
+        let mut inverse = vec![0.0; cells + 1];
+        // The node at this depth from the left (0) or right (1) end.
+        let node = |side: usize, depth: usize| if side == 0 { 1 + depth } else { cells - 1 - depth };
+        let beside = [middle - 1, cells - 1 - middle].map(|nodes| vec![0.0; nodes + 1]);
         let mut matrix = Self {
             cells,
             middle,
             beside,
-            middle_right,
-            inverse,
-            diagonal: diagonal_alone,
-            off,
-            own: [0.0; 2],
-            cross: 0.0,
-            follow,
+            diagonal: (0..cells).all(|i| between(i) == 0.0),
+            off: [between(0), between(cells - 1)],
+            ..Self::default()
         };
+        let mut middle_pivot = diagonal(middle);
+        for (side, beside) in matrix.beside.iter_mut().enumerate() {
+            let last = beside.len() - 1;
+            for depth in 0..=last {
+                let j = node(side, depth);
+                let element = if depth > 0 { between(if side == 0 { j - 1 } else { j }) } else { 0.0 };
+                let before = if depth > 0 { inverse[node(side, depth - 1)] } else { 0.0 };
+                beside[depth] = element * before;
+                if depth < last {
+                    inverse[j] = 1.0 / (diagonal(j) - element * beside[depth]);
+                } else {
+                    middle_pivot -= element * beside[depth];
+                }
+            }
+        }
+        inverse[middle] = 1.0 / middle_pivot;
+        matrix.inverse = inverse;
+        matrix.cut_halves();
         matrix.eliminate_ends([diagonal(0), diagonal(cells)]);
         matrix
+    }
+
+    /// Cuts both halves in two if few nodes ahead of a place are felt there.
+    fn cut_halves(&mut self) {
+        let piece = (self.middle - 1) / 2;
+        let largest = self.beside.iter().flatten().fold(0.0, |largest: f64, beside| largest.max(beside.abs()));
+        let ahead = (NEGLIGIBLE.ln() / largest.min(1.0).ln()).abs().ceil();
+        if ahead * LEAST_PIECES <= piece as f64 {
+            (self.piece, self.ahead) = (piece, ahead as usize);
+        }
     }
 
     /// What the ends keep of their diagonal, and how the other nodes follow them.
@@ -116,50 +130,117 @@ impl Matrix {
     /// From both ends to the middle node, which is solved for.
     #[inline(always)]
     fn eliminate(&self, x: &mut [f64]) {
-        let (n, middle) = (self.cells, self.middle);
-        let (beside, x) = (&self.beside[..=n], &mut x[..=n]);
-        let both = middle - 1;
-        let (mut left, mut right) = (0.0, 0.0);
-        for start in (0..both).step_by(LOOK) {
+        let [beside_left, beside_right] = &self.beside;
+        let (x_left, x_middle, x_right) = self.halves(x);
+        let (both, nodes) = (x_left.len(), x_right.len());
+        let [mut left, mut right] = self.eliminate_pieces(x_left, x_right);
+        for start in (2 * self.piece..both).step_by(LOOK) {
             for k in start..(start + LOOK).min(both) {
-                let (i, j) = (1 + k, n - 1 - k);
-                left = x[i] - beside[i] * left;
-                right = x[j] - beside[j] * right;
-                (x[i], x[j]) = (left, right);
+                left = x_left[k] - beside_left[k] * left;
+                right = x_right[nodes - 1 - k] - beside_right[k] * right;
+                (x_left[k], x_right[nodes - 1 - k]) = (left, right);
             }
-            (left, right) = (something(left), something(right));
+            [left, right] = [left, right].map(something);
         }
         // With an odd number of cells there is one node more on the right.
-        for j in (middle + 1..n - both).rev() {
-            right = x[j] - beside[j] * right;
-            x[j] = right;
+        for k in both..nodes {
+            right = x_right[nodes - 1 - k] - beside_right[k] * right;
+            x_right[nodes - 1 - k] = right;
         }
-        x[middle] = (x[middle] - beside[middle] * left - self.middle_right * right) * self.inverse[middle];
+        *x_middle = (*x_middle - beside_left[both] * left - beside_right[nodes] * right) * self.inverse[self.middle];
+    }
+
+    /// The pieces of both halves, from the ends on; returns the last values.
+    #[inline(always)]
+    fn eliminate_pieces(&self, x_left: &mut [f64], x_right: &mut [f64]) -> [f64; 2] {
+        let (piece, [beside_left, beside_right]) = (self.piece, &self.beside);
+        let nodes = x_right.len();
+        let [mut a, mut b, mut c, mut d] = [0.0; 4];
+        for k in piece - self.ahead..piece {
+            b = x_left[k] - beside_left[k] * b;
+            d = x_right[nodes - 1 - k] - beside_right[k] * d;
+        }
+        let (beside_a, beside_b) = (&beside_left[..piece], &beside_left[piece..2 * piece]);
+        let (beside_c, beside_d) = (&beside_right[..piece], &beside_right[piece..2 * piece]);
+        let (x_a, x_b) = x_left[..2 * piece].split_at_mut(piece);
+        let (x_d, x_c) = x_right[nodes - 2 * piece..].split_at_mut(piece);
+        for start in (0..piece).step_by(LOOK) {
+            for k in start..(start + LOOK).min(piece) {
+                let back = piece - 1 - k;
+                a = x_a[k] - beside_a[k] * a;
+                b = x_b[k] - beside_b[k] * b;
+                c = x_c[back] - beside_c[k] * c;
+                d = x_d[back] - beside_d[k] * d;
+                (x_a[k], x_b[k], x_c[back], x_d[back]) = (a, b, c, d);
+            }
+            [a, b, c, d] = [a, b, c, d].map(something);
+        }
+        [b, d]
     }
 
     /// Back, outwards: what is beside a node stands in the row of its neighbour.
     #[inline(always)]
     fn substitute(&self, x: &mut [f64]) {
-        let (n, middle) = (self.cells, self.middle);
-        let (beside, inverse, x) = (&self.beside[..=n], &self.inverse[..=n], &mut x[..=n]);
-        let both = middle - 1;
-        let (mut element_left, mut element_right) = (beside[middle], self.middle_right);
-        let (mut left, mut right) = (x[middle], x[middle]);
-        for j in middle + 1..n - both {
-            right = x[j] * inverse[j] - element_right * right;
-            element_right = beside[j];
-            x[j] = right;
-        }
-        for start in (0..both).step_by(LOOK) {
+        let (middle, [beside_left, beside_right]) = (self.middle, &self.beside);
+        let (inverse_left, inverse_right) = (&self.inverse[1..middle], &self.inverse[middle + 1..self.cells]);
+        let (x_left, x_middle, x_right) = self.halves(x);
+        let (both, nodes) = (x_left.len(), x_right.len());
+        let [mut left, mut right] = self.substitute_pieces(x_left, *x_middle, x_right);
+        for start in (2 * self.piece..both).step_by(LOOK) {
             for k in start..(start + LOOK).min(both) {
-                let (i, j) = (middle - 1 - k, n - both + k);
-                left = x[i] * inverse[i] - element_left * left;
-                right = x[j] * inverse[j] - element_right * right;
-                (element_left, element_right) = (beside[i], beside[j]);
-                (x[i], x[j]) = (left, right);
+                let i = both - 1 - k;
+                left = x_left[i] * inverse_left[i] - beside_left[i + 1] * left;
+                right = x_right[k] * inverse_right[k] - beside_right[nodes - k] * right;
+                (x_left[i], x_right[k]) = (left, right);
             }
-            (left, right) = (something(left), something(right));
+            [left, right] = [left, right].map(something);
         }
+        for k in both..nodes {
+            right = x_right[k] * inverse_right[k] - beside_right[nodes - k] * right;
+            x_right[k] = right;
+        }
+    }
+
+    /// The pieces of both halves, from the middle on; returns the last values.
+    #[inline(always)]
+    fn substitute_pieces(&self, x_left: &mut [f64], middle: f64, x_right: &mut [f64]) -> [f64; 2] {
+        let (piece, [beside_left, beside_right]) = (self.piece, &self.beside);
+        let (inverse_left, inverse_right) = (&self.inverse[1..self.middle], &self.inverse[self.middle + 1..self.cells]);
+        let (both, nodes) = (x_left.len(), x_right.len());
+        let [mut a, mut b, mut c, mut d] = [middle, 0.0, middle, 0.0];
+        for k in piece - self.ahead..piece {
+            let i = both - 1 - k;
+            b = x_left[i] * inverse_left[i] - beside_left[i + 1] * b;
+            d = x_right[k] * inverse_right[k] - beside_right[nodes - k] * d;
+        }
+        // Slices of one length, so that no index needs a look.
+        let ([far, near], first) = ([both - 2 * piece, both - piece], nodes - 2 * piece);
+        let (inverse_a, inverse_b) = (&inverse_left[near..near + piece], &inverse_left[far..far + piece]);
+        let (inverse_c, inverse_d) = (&inverse_right[..piece], &inverse_right[piece..2 * piece]);
+        let (beside_a, beside_b) = (&beside_left[near + 1..][..piece], &beside_left[far + 1..][..piece]);
+        let (beside_c, beside_d) = (&beside_right[first + piece + 1..][..piece], &beside_right[first + 1..][..piece]);
+        let (x_b, x_a) = x_left[far..].split_at_mut(piece);
+        let (x_c, x_d) = x_right[..2 * piece].split_at_mut(piece);
+        for start in (0..piece).step_by(LOOK) {
+            for k in start..(start + LOOK).min(piece) {
+                let back = piece - 1 - k;
+                a = x_a[back] * inverse_a[back] - beside_a[back] * a;
+                b = x_b[back] * inverse_b[back] - beside_b[back] * b;
+                c = x_c[k] * inverse_c[k] - beside_c[back] * c;
+                d = x_d[k] * inverse_d[k] - beside_d[back] * d;
+                (x_a[back], x_b[back], x_c[k], x_d[k]) = (a, b, c, d);
+            }
+            [a, b, c, d] = [a, b, c, d].map(something);
+        }
+        if piece > 0 { [b, d] } else { [middle; 2] }
+    }
+
+    /// The nodes left of the middle one, that, and those right of it, without the ends.
+    #[inline(always)]
+    fn halves<'a>(&self, x: &'a mut [f64]) -> (&'a mut [f64], &'a mut f64, &'a mut [f64]) {
+        let (left, rest) = x[1..self.cells].split_at_mut(self.middle - 1);
+        let (middle, right) = rest.split_first_mut().expect("at least two cells");
+        (left, middle, right)
     }
 
     /// What the nodes between the ends leave of the right sides of the two ends; `x` is their solution with both ends at 0.
@@ -190,7 +271,7 @@ impl Matrix {
 
     /// Numbers in memory.
     pub fn len(&self) -> usize {
-        self.beside.len() + self.inverse.len() + self.follow[0].len() + self.follow[1].len()
+        self.beside[0].len() + self.beside[1].len() + self.inverse.len() + self.follow[0].len() + self.follow[1].len()
     }
 }
 
@@ -217,7 +298,7 @@ mod tests {
 
     #[test]
     fn the_matrix_times_the_solution_is_the_right_side() {
-        for cells in [2, 3, 4, 17, 200] {
+        for cells in [2, 3, 4, 17, 200, 1000, 1001, 1003] {
             for stiffness in [0.0, 0.3, 1e3, 1e8] {
                 let diagonal = |j: usize| {
                     let neighbours = if j == 0 || j == cells { 1.0 } else { 2.0 };
@@ -237,6 +318,13 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn halves_are_cut_where_nodes_far_away_are_not_felt() {
+        let matrix = |cells: usize, stiffness: f64| Matrix::new(cells, |_| 1.0 + 2.0 * stiffness, |_| -stiffness);
+        assert_eq!(matrix(1001, 0.3).piece, 249);
+        assert_eq!([matrix(100, 0.3).piece, matrix(1001, 1e3).piece], [0, 0]);
     }
 
     #[test]

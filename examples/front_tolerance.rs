@@ -1,7 +1,7 @@
 //! What the front tolerance costs and what it changes: ten long runs, each with a row of tolerances.
 //!
 //! `cargo run --release --example front_tolerance [SECONDS] > docs/front-tolerance.csv` prints events, fronts under way at
-//! the end, time, relative L1 error of the stress at the end against a run with a hundredth of the tolerance, the figure
+//! the end, time, relative L1 error of the stress at the end against a run with a hundredth of the tolerance, the estimate
 //! that `barwave run` states, and the relative energy dissipated. The error is left empty where the finer run takes more
 //! than 3e7 events, or where SECONDS (240 where not given) are over.
 
@@ -11,7 +11,7 @@ mod long_bars;
 use std::time::{Duration, Instant};
 
 use barwave::solver::moc::{FrontTracking, Settings};
-use long_bars::{Case, cases, difference, figure};
+use long_bars::{Case, cases, difference, estimate};
 use rayon::prelude::*;
 
 const TOLERANCES: [f64; 3] = [1e-1, 3e-2, 1e-2];
@@ -55,11 +55,12 @@ fn lines(case: &Case, runs: &[(f64, FrontTracking, f64)], deadline: Instant) -> 
         reached = truth.is_some();
         let error = truth.map_or_else(String::new, |truth| format!("{:.3e}", difference(run, &truth)));
         let settings = Settings { front_tolerance: *tolerance, event_budget: MOST_EVENTS, ..Settings::default() };
-        let figure = figure(case, run, settings).map_or_else(|_| String::new(), |figure| format!("{figure:.3e}"));
+        let estimate =
+            estimate(case, run, settings).map_or_else(|_| String::new(), |estimate| format!("{estimate:.3e}"));
         let balance = run.balance();
         let taken = balance.thinned / balance.total();
         let (events, fronts) = (run.events(), run.front_count());
-        format!("\"{}\",{tolerance:e},{events},{fronts},{seconds:.2e},{error},{figure},{taken:.1e}", case.name)
+        format!("\"{}\",{tolerance:e},{events},{fronts},{seconds:.2e},{error},{estimate},{taken:.1e}", case.name)
     };
     runs.iter().map(&mut line).collect()
 }
@@ -67,7 +68,7 @@ fn lines(case: &Case, runs: &[(f64, FrontTracking, f64)], deadline: Instant) -> 
 fn main() {
     let seconds = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(240);
     let deadline = Instant::now() + Duration::from_secs(seconds);
-    println!("case,front tolerance,events,fronts at end,time (s),error,figure,energy dissipated");
+    println!("case,front tolerance,events,fronts at end,time (s),error,estimate,energy dissipated");
     let run = |case: &Case, tolerance| timed(case, tolerance).map(|(run, seconds)| (tolerance, run, seconds));
     // Timed one after the other; only the finer runs go side by side.
     let all: Vec<_> = cases()

@@ -24,17 +24,7 @@ const SETTLED: f64 = 0.2;
 #[derive(Debug)]
 pub struct Companions {
     coarser: Response,
-    finer: Option<Finer>,
-}
-
-/// A companion with a smaller tolerance.
-#[derive(Debug)]
-pub struct Finer {
-    /// Its settings.
-    pub settings: Settings,
-    /// No wave was merged.
-    pub is_exact: bool,
-    response: Response,
+    finer: Option<(Settings, Response)>,
 }
 
 impl Companions {
@@ -68,24 +58,23 @@ impl Companions {
             events = [events[1], bar.events()];
             let before = apart;
             apart = response.apart(&finer, response).largest().map_or(0.0, |largest| largest.1);
-            let is_exact = bar.is_exact();
-            self.finer = Some(Finer { settings, is_exact, response: finer });
-            if is_exact || apart > 0.0 && (apart - before).abs() <= SETTLED * apart {
+            self.finer = Some((settings, finer));
+            if apart > 0.0 && (apart - before).abs() <= SETTLED * apart {
                 break;
             }
         }
         Ok(self)
     }
 
-    /// The finer companion, if there is one.
-    pub fn finer(&self) -> Option<&Finer> {
-        self.finer.as_ref()
+    /// The settings of the finer companion, if there is one.
+    pub fn finer(&self) -> Option<Settings> {
+        self.finer.as_ref().map(|finer| finer.0)
     }
 
     /// Errors of the run that gave `response`, >= 0.
     pub fn errors(&self, run: &FrontTracking, response: &Response) -> ErrorTable {
         let coarser = self.coarser.apart(response, response);
-        let finer = self.finer.as_ref().map(|finer| (finer.is_exact, response.apart(&finer.response, response)));
+        let finer = self.finer.as_ref().map(|(_, finer)| response.apart(finer, response));
         let merged = || {
             // Companions that merged just what the run did tell nothing; the sum of all merges is too much, but no less.
             let total = response.fields.last().map_or(0.0, |(_, field)| field.apart(field).1);
@@ -94,8 +83,7 @@ impl Companions {
         ErrorTable::of(|measure| {
             let coarser = coarser[measure]?;
             let error = match &finer {
-                Some((true, apart)) => return Some(apart[measure]?.max(run.unresolved())),
-                Some((false, apart)) => (SAFETY_OF_TRACKING * apart[measure]?).max(coarser / COMPANION),
+                Some(finer) => (SAFETY_OF_TRACKING * finer[measure]?).max(coarser / COMPANION),
                 None => SAFETY_OF_TRACKING * coarser,
             };
             let of_stress = matches!(measure, Measure::Field | Measure::FieldAtEnd);

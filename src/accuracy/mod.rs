@@ -8,7 +8,7 @@ mod richardson;
 mod shape;
 mod similar;
 
-pub use front_errors::{Companions, Finer, SAFETY_OF_TRACKING};
+pub use front_errors::{Companions, SAFETY_OF_TRACKING};
 pub use listen::{FrontListener, GridListener};
 pub use respond::{Course, Ended, Respond, respond};
 pub use response::{INSTANTS, Response, evenly};

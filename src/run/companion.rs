@@ -68,14 +68,9 @@ pub(super) fn error_figure(
         return Ok(Some(exact(run.unresolved())));
     }
     let Some(companions) = companions(scene, settings, (run, response), progress)? else { return Ok(None) };
-    let reference = match companions.finer() {
-        Some(finer) if finer.is_exact => format!("run with {}, which merged no fronts", steps(finer.settings)),
-        finer => {
-            let settings = finer.map_or(settings.coarser(), |finer| finer.settings);
-            let pieces = if coarser_staircase(scene).is_some() { " and coarser uniform pieces" } else { "" };
-            format!("run with {}{pieces}, safety factor {SAFETY_OF_TRACKING} (estimate)", steps(settings))
-        }
-    };
+    let pieces = if coarser_staircase(scene).is_some() { " and coarser uniform pieces" } else { "" };
+    let steps = steps(companions.finer().unwrap_or(settings.coarser()));
+    let reference = format!("run with {steps}{pieces}, safety factor {SAFETY_OF_TRACKING} (estimate)");
     Ok(Some(accuracy::figure(companions.errors(run, response), reference)))
 }
 

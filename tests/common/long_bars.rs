@@ -107,7 +107,7 @@ impl Case {
 ///
 /// # Errors
 /// The coarser companion does not come to its end.
-pub fn figure(case: &Case, run: &FrontTracking, settings: Settings) -> Result<f64, Stopped> {
+pub fn estimate(case: &Case, run: &FrontTracking, settings: Settings) -> Result<f64, Stopped> {
     let follow = |settings| -> Result<(FrontTracking, Response), Stopped> {
         let mut bar = case.start(settings);
         bar.advance_to(case.until())?;

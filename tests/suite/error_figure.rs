@@ -1,4 +1,4 @@
-//! The error figure of front tracking, a safety factor times the difference from a companion, against the true error: the difference
+//! The error estimate of front tracking, a safety factor times the difference from a companion, against the true error: the difference
 //! from a run with a hundredth of the tolerance.
 
 use crate::common::long_bars;
@@ -15,9 +15,9 @@ use barwave::scene::Scene;
 use barwave::solver::moc::Settings;
 use serde_json::Value;
 
-use long_bars::{Case, cases, difference, figure};
+use long_bars::{Case, cases, difference, estimate};
 
-/// Most that the figure may be, over the true error.
+/// Most that the estimate may be, over the true error.
 const LOOSEST: f64 = 6.0;
 
 /// Most events of a true run: a few seconds.
@@ -33,7 +33,7 @@ const QUICK: [&str; 6] = [
     "yield plateau",
 ];
 
-/// Relative L1 error, the larger of those of stress and plastic strain, and figure.
+/// Relative L1 error, the larger of those of stress and plastic strain, and estimate.
 fn measure(case: &Case, tolerance: f64) -> (f64, f64) {
     let run = |tolerance| {
         let (run, ended) = case.run(tolerance, MOST_EVENTS);
@@ -44,21 +44,21 @@ fn measure(case: &Case, tolerance: f64) -> (f64, f64) {
     let (apart, total) = truth.plastic_difference(&run);
     let plastic = if total > 0.0 { apart / total } else { 0.0 };
     let settings = Settings { front_tolerance: tolerance, event_budget: MOST_EVENTS, ..Settings::default() };
-    let figure = figure(case, &run, settings).unwrap_or_else(|why| panic!("{} at {tolerance}: {why}", case.name));
-    (difference(&run, &truth).max(plastic), figure)
+    let estimate = estimate(case, &run, settings).unwrap_or_else(|why| panic!("{} at {tolerance}: {why}", case.name));
+    (difference(&run, &truth).max(plastic), estimate)
 }
 
 #[test]
-fn the_figure_is_never_below_the_error_and_no_more_than_six_times_above_it() {
+fn the_estimate_is_never_below_the_error_and_no_more_than_six_times_above_it() {
     let mut wrong = Vec::new();
     for case in cases() {
         let tolerances: &[f64] = if QUICK.contains(&case.name) { &[1e-1, 3e-2] } else { &[1e-1] };
         for &tolerance in tolerances {
-            let (error, figure) = measure(&case, tolerance);
-            let line = format!("{} at {tolerance}: error {error:.2e}, figure {figure:.2e}", case.name);
+            let (error, estimate) = measure(&case, tolerance);
+            let line = format!("{} at {tolerance}: error {error:.2e}, estimate {estimate:.2e}", case.name);
             println!("{line}");
             // Both are 0 for the bar whose curve has a level part: it has nothing to be merged.
-            if figure < error || figure > LOOSEST * error {
+            if estimate < error || estimate > LOOSEST * error {
                 wrong.push(line);
             }
         }
@@ -102,13 +102,16 @@ fn a_run_that_merges_what_its_coarser_companion_merges_states_its_error_all_the_
     assert_eq!(run.errors(&coarser).largest().expect("measured").1, 0.0);
     let error = run.errors(&truth).largest().expect("measured").1;
     let summary = run::run(&scene(0.1), None, &mut |_| ControlFlow::Continue(())).expect("it runs");
-    let figure = summary.error.expect("a figure").value;
-    println!("error {error:.2e}, figure {figure:.2e}");
-    assert!(error > 0.1 && figure >= error && figure <= LOOSEST * error, "error {error:.2e}, figure {figure:.2e}");
+    let estimate = summary.error.expect("an estimate").value;
+    println!("error {error:.2e}, estimate {estimate:.2e}");
+    assert!(
+        error > 0.1 && estimate >= error && estimate <= LOOSEST * error,
+        "error {error:.2e}, estimate {estimate:.2e}"
+    );
 }
 
 #[test]
-fn a_run_states_its_figure_and_its_energy_is_right_to_less_than_that() {
+fn a_run_states_its_estimate_and_its_energy_is_right_to_less_than_that() {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/copper-released.toml");
     let folder = tempfile::tempdir().expect("a folder");
     let output = Command::new(env!("CARGO_BIN_EXE_barwave"))
@@ -118,11 +121,11 @@ fn a_run_states_its_figure_and_its_energy_is_right_to_less_than_that() {
         .expect("the binary runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
-    let figure = summary["error"]["value"].as_f64().expect("a figure");
+    let estimate = summary["error"]["value"].as_f64().expect("an estimate");
     let residual = summary["ledger"]["energy_residual"].as_f64().expect("a residual");
-    println!("figure {figure:.2e}, energy residual {residual:.2e}");
-    assert!(figure > 0.0 && figure < 1.0, "{figure}");
-    assert!(residual.abs() < figure, "{residual} {figure}");
+    println!("estimate {estimate:.2e}, energy residual {residual:.2e}");
+    assert!(estimate > 0.0 && estimate < 1.0, "{estimate}");
+    assert!(residual.abs() < estimate, "{residual} {estimate}");
     let reference = summary["error"]["reference"].as_str().expect("what it was measured against");
     assert!(reference.contains("3.0e-3"), "{reference}");
 }

@@ -2,7 +2,7 @@
 
 use super::Response;
 use crate::record::{ErrorTable, Measure};
-use crate::solver::moc::{COMPANION, FrontTracking, Settings};
+use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 
 /// The estimate, over the difference from a companion. If errors were proportional to the tolerance, the difference from a finer companion
 /// would be two thirds of the error, and that from a coarser one twice the error. They fall faster or slower by chance:
@@ -20,17 +20,17 @@ const MOST_FINER: usize = 6;
 /// The last companion tells the error where one more changed the difference by no more than this part.
 const SETTLED: f64 = 0.2;
 
-/// What a run is compared with.
+/// Differences of a run from its companions.
 #[derive(Debug)]
 pub struct Companions {
-    coarser: Response,
-    finer: Option<(Settings, Response)>,
+    coarser: ErrorTable,
+    finer: Option<(Settings, ErrorTable)>,
 }
 
 impl Companions {
-    /// A coarser companion alone.
-    pub fn coarser(response: Response) -> Self {
-        Self { coarser: response, finer: None }
+    /// A coarser companion alone, of the run that gave `response`.
+    pub fn coarser(response: &Response, companion: &Response) -> Self {
+        Self { coarser: companion.apart(response, response), finer: None }
     }
 
     /// Adds the finest companion that a multiple of the run's events is expected to pay for, if there is one. `coarser` is the number of
@@ -57,8 +57,9 @@ impl Companions {
             left = left.saturating_sub(bar.events());
             events = [events[1], bar.events()];
             let before = apart;
-            apart = response.apart(&finer, response).largest().map_or(0.0, |largest| largest.1);
-            self.finer = Some((settings, finer));
+            let table = response.apart(&finer, response);
+            apart = table.largest().map_or(0.0, |largest| largest.1);
+            self.finer = Some((settings, table));
             if apart > 0.0 && (apart - before).abs() <= SETTLED * apart {
                 break;
             }
@@ -73,17 +74,15 @@ impl Companions {
 
     /// Errors of the run that gave `response`, >= 0.
     pub fn errors(&self, run: &FrontTracking, response: &Response) -> ErrorTable {
-        let coarser = self.coarser.apart(response, response);
-        let finer = self.finer.as_ref().map(|(_, finer)| response.apart(finer, response));
         let merged = || {
             // Companions that merged just what the run did tell nothing; the sum of all merges is too much, but no less.
             let total = response.fields.last().map_or(0.0, |(_, field)| field.apart(field).1);
             if total > 0.0 { run.merged() / total } else { 0.0 }
         };
         ErrorTable::of(|measure| {
-            let coarser = coarser[measure]?;
-            let error = match &finer {
-                Some(finer) => (SAFETY_OF_TRACKING * finer[measure]?).max(coarser / COMPANION),
+            let coarser = self.coarser[measure]?;
+            let error = match &self.finer {
+                Some((_, finer)) => (SAFETY_OF_TRACKING * finer[measure]?).max(coarser / COMPANION_RATIO),
                 None => SAFETY_OF_TRACKING * coarser,
             };
             let of_stress = matches!(measure, Measure::Field | Measure::FieldAtEnd);

@@ -6,8 +6,8 @@ use crate::accuracy::{Companions, Course, Ended, INSTANTS, Response, SAFETY_OF_T
 use crate::assemble;
 use crate::error::{Error, Result};
 use crate::record::{ErrorFigure, ErrorTable};
-use crate::scene::Scene;
-use crate::solver::moc::{COMPANION, FrontTracking, Settings};
+use crate::scene::{Scene, TaperDiscretization};
+use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
 /// Tolerances that are tried when a run used up its events: the largest, and the smallest.
@@ -68,9 +68,9 @@ pub(super) fn error_figure(
         return Ok(Some(exact(run.unresolved())));
     }
     let Some(companions) = companions(scene, settings, (run, response), progress)? else { return Ok(None) };
-    let pieces = if coarser_staircase(scene).is_some() { " and coarser uniform pieces" } else { "" };
-    let steps = steps(companions.finer().unwrap_or(settings.coarser()));
-    let reference = format!("run with {steps}{pieces}, safety factor {SAFETY_OF_TRACKING} (estimate)");
+    let pieces = if staircase(scene).is_some() { " and coarser uniform pieces" } else { "" };
+    let with = steps(companions.finer().unwrap_or(settings.coarser()));
+    let reference = format!("run with {with}{pieces}, safety factor {SAFETY_OF_TRACKING} (estimate)");
     Ok(Some(accuracy::figure(companions.errors(run, response), reference)))
 }
 
@@ -94,10 +94,13 @@ pub(super) fn companions(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<Companions>> {
     let instants = response.instants();
-    let staircase = coarser_staircase(scene);
+    // The error of a staircase goes with its steps.
+    let coarser_pieces =
+        |cut: &TaperDiscretization| cut.original.discretized_finer_than((COMPANION_RATIO * cut.share).min(COARSEST));
+    let staircase = staircase(scene).map(coarser_pieces);
     let coarser = tracked(staircase.as_ref().unwrap_or(scene), settings.coarser(), &instants, progress)?;
     let Some((bar, coarser)) = coarser else { return Ok(None) };
-    let companions = Companions::coarser(coarser);
+    let companions = Companions::coarser(response, &coarser);
     if staircase.is_some() {
         return Ok(Some(companions));
     }
@@ -105,12 +108,9 @@ pub(super) fn companions(
     companions.with_finer((run, response), bar.events(), settings, follow).map(Some)
 }
 
-/// The scene with its tapers and initial states in coarser pieces than the run's: the error of a staircase goes with its steps. None
-/// without steps, as of a taper so slight that it is one piece.
-fn coarser_staircase(scene: &Scene) -> Option<Scene> {
-    let cut = scene.discretized.as_ref()?;
-    let has_steps = cut.of.len() > cut.original.bar.segments.len() || cut.steps > 0;
-    has_steps.then(|| cut.original.discretized_finer_than((COMPANION * cut.share).min(COARSEST)))
+/// How a scene's tapers and initial states were cut into pieces. None without steps, as of a taper so slight that it is one piece.
+fn staircase(scene: &Scene) -> Option<&TaperDiscretization> {
+    scene.discretized.as_deref().filter(|cut| cut.of.len() > cut.original.bar.segments.len() || cut.steps > 0)
 }
 
 /// Of a run whose fronts were all kept; `unresolved` is what part of its energy rounding moved.
@@ -134,12 +134,12 @@ pub(super) fn tolerance_that_carries(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<f64>> {
     let (mut left, mut tolerance, mut carries) = (settings.event_budget, LARGEST_TRIED, None);
-    while tolerance >= SMALLEST_TRIED.max(COMPANION * settings.front_tolerance) {
+    while tolerance >= SMALLEST_TRIED.max(COMPANION_RATIO * settings.front_tolerance) {
         let tried = Settings { front_tolerance: tolerance, event_budget: left, ..settings };
         let Some((bar, _)) = tracked(scene, tried, &[scene.solve.until], progress)? else { break };
         carries = Some(tolerance);
         left = left.saturating_sub(bar.events());
-        tolerance /= COMPANION;
+        tolerance /= COMPANION_RATIO;
     }
     Ok(carries)
 }

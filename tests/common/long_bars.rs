@@ -116,7 +116,7 @@ pub fn estimate(case: &Case, run: &FrontTracking, settings: Settings) -> Result<
     };
     let response = case.response(run);
     let (coarser, its_response) = follow(settings.coarser())?;
-    let companions = Companions::coarser(its_response);
+    let companions = Companions::coarser(&response, &its_response);
     let Ok(companions) = companions.with_finer((run, &response), coarser.events(), settings, |settings| {
         Ok::<_, Infallible>(follow(settings).ok())
     });

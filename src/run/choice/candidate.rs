@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::accuracy::Coarse;
 use crate::scene::{Method, Rate, Scene};
-use crate::solver::moc::COMPANION;
+use crate::solver::moc::COMPANION_RATIO;
 
 /// Cells of the first pilot on a grid, with companions of a half, a quarter and an eighth.
 pub(super) const FIRST_CELLS: usize = 128;
@@ -100,7 +100,7 @@ impl Candidate {
             (None, Method::FrontTracking { .. }) => self.method.with_front_tolerance(FIRST_TOLERANCE),
             (None, _) => self.method.with_cells(FIRST_CELLS),
             (Some(last @ Method::FrontTracking { front_tolerance, .. }), _) => {
-                last.with_front_tolerance(front_tolerance / COMPANION)
+                last.with_front_tolerance(front_tolerance / COMPANION_RATIO)
             }
             (Some(last), _) => last.with_cells(2 * last.cells().unwrap_or(FIRST_CELLS)),
         }
@@ -142,7 +142,7 @@ impl Candidate {
 
     /// Expected time of its next pilot, s.
     pub fn next_pilot(&self, scene: &Scene) -> f64 {
-        let finer: f64 = if self.method.tracks_fronts() { COMPANION } else { 2.0 };
+        let finer: f64 = if self.method.tracks_fronts() { COMPANION_RATIO } else { 2.0 };
         let last = self.too_expensive.or(self.pilots.last().map(|last| last.work)).unwrap_or(0);
         finer.powf(self.growth()) * nominal(scene, self.method) * last as f64
     }

@@ -10,7 +10,7 @@ use crate::accuracy::{INSTANTS, Response, evenly, extrapolate};
 use crate::bar::initial_fans;
 use crate::error::{Error, Result};
 use crate::scene::{Method, Scene};
-use crate::solver::moc::{COMPANION, FrontTracking, Settings};
+use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
 /// Front tracking tells something of a grid where its estimate is no more than this part of that one's.
@@ -88,14 +88,14 @@ pub(super) fn front_pilot(
         return Ok(());
     };
     let Some(estimate) = front_estimate(scene, settings, (&bar, &response), progress)? else {
-        let coarser = COMPANION * front_tolerance;
+        let coarser = COMPANION_RATIO * front_tolerance;
         let why = || format!("a run with a front tolerance of {coarser:.1e} has more front interactions");
         (candidate.too_expensive, candidate.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
     let before = candidate.pilots.last().map(|p| p.estimate);
     let order = before.map_or(FRONT_ORDER, |before| {
-        ((before / estimate).ln() / COMPANION.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
+        ((before / estimate).ln() / COMPANION_RATIO.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
     });
     candidate.pilots.push(Pilot { method, estimate, order, work: bar.events() });
     Ok(())

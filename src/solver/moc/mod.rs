@@ -69,7 +69,7 @@ pub struct Settings {
 }
 
 /// The error of a coarser companion, over the run's; that of the run, over a finer companion's.
-pub const COMPANION: f64 = 3.0;
+pub const COMPANION_RATIO: f64 = 3.0;
 
 /// The front tolerance below which the step of ramps falls with the root of the tolerance only.
 pub const RAMP_STEP: f64 = 1e-3;
@@ -84,24 +84,24 @@ impl Settings {
         self.ramp_step.unwrap_or_else(|| self.front_tolerance.max(finer).max(FINEST_STEP))
     }
 
-    /// The settings of a companion with [`COMPANION`] times the error.
+    /// The settings of a companion with [`COMPANION_RATIO`] times the error.
     #[must_use]
     pub fn coarser(self) -> Self {
-        let front_tolerance = COMPANION * self.front_tolerance;
+        let front_tolerance = COMPANION_RATIO * self.front_tolerance;
         Self { front_tolerance, ramp_step: Some(front_tolerance.max(self.step_factor() * self.step())), ..self }
     }
 
     /// The settings of a companion with this part of the error.
     #[must_use]
     pub fn finer(self) -> Self {
-        let front_tolerance = self.front_tolerance / COMPANION;
+        let front_tolerance = self.front_tolerance / COMPANION_RATIO;
         Self { front_tolerance, ramp_step: Some(front_tolerance.max(self.step() / self.step_factor())), ..self }
     }
 
     /// The step of ramps, over that of a companion. The error of merged waves is proportional to the tolerance; that of ramps to the
     /// square of their steps, which are larger than tolerances below [`RAMP_STEP`].
     fn step_factor(&self) -> f64 {
-        if self.front_tolerance < self.step() { COMPANION.sqrt() } else { COMPANION }
+        if self.front_tolerance < self.step() { COMPANION_RATIO.sqrt() } else { COMPANION_RATIO }
     }
 }
 

@@ -5,7 +5,7 @@
 //! them are eliminated from both sides towards the middle, and each half in two pieces where the second one does not feel the far end of the
 //! first: four chains of operations that a processor runs side by side.
 
-/// Below this part of an end's own change its effect on another node is far below rounding.
+/// Below this part of a node's own change its effect on another node is far below rounding.
 const NEGLIGIBLE: f64 = 1e-20;
 
 /// Changes below this, in kg m/s or m/s, are none. Otherwise the tail that every wave sends ahead would end in numbers

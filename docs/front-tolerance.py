@@ -13,7 +13,7 @@ PANELS = [
     ("events", "events", (2, 7)),
     ("fronts at the end", "fronts at end", (0, 2)),
     ("time, s", "time (s)", (-4, 1)),
-    ("true error, relative L1 of stress", "error", (-3, 1)),
+    ("true error, stress or plastic strain", "error", (-3, 1)),
     ("estimated error", "estimate", (-3, 1)),
 ]
 TOLERANCES = (-2.15, -0.85)

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use barwave::accuracy::{Companions, FrontListener, Response};
 use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
-use barwave::record::Measure;
+use barwave::record::{ErrorTable, Measure};
 use barwave::solver::moc::{FrontTracking, Settings, Stopped};
 use barwave::wave::riemann::Flow;
 
@@ -120,14 +120,17 @@ pub fn estimate(case: &Case, run: &FrontTracking, settings: Settings) -> Result<
     let Ok(companions) = companions.with_finer((run, &response), coarser.events(), settings, |settings| {
         Ok::<_, Infallible>(follow(settings).ok())
     });
-    let errors = companions.errors(run, &response);
-    let [stress, plastic] =
-        [Measure::FieldAtEnd, Measure::ResidualStrain].map(|measure| errors[measure].unwrap_or(0.0));
-    Ok(stress.max(plastic))
+    Ok(larger(&companions.errors(run, &response)))
 }
 
-/// Relative L1 difference of stress of a run from a better one.
-pub fn difference(run: &FrontTracking, better: &FrontTracking) -> f64 {
-    let (apart, total) = better.stress_difference(run);
-    apart / total
+/// How far a run is from a better one at its end, in stress or in plastic strain, relative, as the estimate is, to the run's own.
+pub fn error(case: &Case, run: &FrontTracking, better: &FrontTracking) -> f64 {
+    let own = case.response(run);
+    larger(&own.apart(&case.response(better), &own))
+}
+
+fn larger(errors: &ErrorTable) -> f64 {
+    let [stress, plastic] =
+        [Measure::FieldAtEnd, Measure::ResidualStrain].map(|measure| errors[measure].unwrap_or(0.0));
+    stress.max(plastic)
 }

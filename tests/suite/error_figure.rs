@@ -8,17 +8,18 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
-use barwave::accuracy::{Course, respond};
+use barwave::accuracy::{Course, Response, respond};
 use barwave::assemble;
+use barwave::record::Measure;
 use barwave::run;
 use barwave::scene::Scene;
 use barwave::solver::moc::Settings;
 use serde_json::Value;
 
-use long_bars::{Case, cases, difference, estimate};
+use long_bars::{Case, cases, error, estimate};
 
 /// Most that the estimate may be, over the true error.
-const LOOSEST: f64 = 6.0;
+const LOOSEST: f64 = 3.0;
 
 /// Most events of a true run: a few seconds.
 const MOST_EVENTS: u64 = 3_000_000;
@@ -33,7 +34,7 @@ const QUICK: [&str; 6] = [
     "yield plateau",
 ];
 
-/// Relative L1 error, the larger of those of stress and plastic strain, and estimate.
+/// Relative L1 error of the end, the larger of those of stress and plastic strain, and estimate.
 fn measure(case: &Case, tolerance: f64) -> (f64, f64) {
     let run = |tolerance| {
         let (run, ended) = case.run(tolerance, MOST_EVENTS);
@@ -41,15 +42,13 @@ fn measure(case: &Case, tolerance: f64) -> (f64, f64) {
         run
     };
     let [run, truth] = [tolerance, 0.01 * tolerance].map(run);
-    let (apart, total) = truth.plastic_difference(&run);
-    let plastic = if total > 0.0 { apart / total } else { 0.0 };
     let settings = Settings { front_tolerance: tolerance, event_budget: MOST_EVENTS, ..Settings::default() };
     let estimate = estimate(case, &run, settings).unwrap_or_else(|why| panic!("{} at {tolerance}: {why}", case.name));
-    (difference(&run, &truth).max(plastic), estimate)
+    (error(case, &run, &truth), estimate)
 }
 
 #[test]
-fn the_estimate_is_never_below_the_error_and_no_more_than_six_times_above_it() {
+fn the_estimate_is_never_below_the_error_and_no_more_than_three_times_above_it() {
     let mut wrong = Vec::new();
     for case in cases() {
         let tolerances: &[f64] = if QUICK.contains(&case.name) { &[1e-1, 3e-2] } else { &[1e-1] };
@@ -84,24 +83,70 @@ method = "moc"
 front-tolerance = 0.1
 "#;
 
+/// A hard segment that is pushed, and a soft one that takes a hundredth of its stress.
+const SOFT_BESIDE_HARD: &str = r#"
+[[bar.segment]]
+length = 0.1
+area = 1e-4
+material = { density = 1900, modulus = "3 GPa", beyond = "extend", curve = { table = [[4e-4, "1.2 MPa"], [6e-3, "4 MPa"], [0.1, "6 MPa"]] } }
+[[bar.segment]]
+length = 0.1
+area = 1e-4
+material = { density = 7800, modulus = "200 GPa", beyond = "extend", curve = { table = [[4e-3, "800 MPa"]] } }
+[left]
+kind = "free"
+[right]
+kind = "stress"
+value = "-300 MPa"
+[effects]
+hardening = "isotropic"
+[solve]
+until = "200 us"
+method = "moc"
+front-tolerance = 0.1
+"#;
+
+fn scene(text: &str, tolerance: f64) -> Scene {
+    let overrides = [format!("solve.front-tolerance={tolerance}")];
+    Scene::parse("scene.toml", text, Path::new("."), &overrides).expect("a scene")
+}
+
+fn response(text: &str, tolerance: f64) -> Response {
+    let scene = scene(text, tolerance);
+    let mut bar = assemble::front_tracking(&scene, Settings { front_tolerance: tolerance, ..Settings::default() });
+    let instants = [0.5, 1.0].map(|share| share * scene.solve.until);
+    let course = Course { instants: &instants, gauges: &[], until: 0.0, work: u64::MAX };
+    respond(&scene.bar, &mut bar, course, |_, _| Ok::<_, Infallible>(())).expect("it comes to its end").0
+}
+
+/// Merging relative to the stress of the hard segment would make one of most of what is in the soft one.
+#[test]
+fn a_soft_segment_keeps_its_plastic_strain() {
+    let [run, truth] = [1e-2, 1e-4].map(|tolerance| response(SOFT_BESIDE_HARD, tolerance));
+    let errors = run.errors(&truth);
+    let [stress, plastic] =
+        [Measure::FieldAtEnd, Measure::ResidualStrain].map(|measure| errors[measure].expect("measured"));
+    assert!(stress < 1e-3 && plastic < 1e-2, "stress {stress:.1e}, plastic strain {plastic:.1e}");
+}
+
+/// Where the plastic strain changes just beside a joint or an end, waves would run to and fro in the sliver between the two for good: ten
+/// times the tolerance would take three times the events.
+#[test]
+fn waves_do_not_run_to_and_fro_beside_a_joint_for_good() {
+    let case =
+        cases().into_iter().find(|case| case.name == "held, kinematic, two materials").expect("it is one of them");
+    let [coarse, fine] = [1e-1, 1e-2].map(|tolerance| case.run(tolerance, MOST_EVENTS).0.events());
+    assert!(coarse < 2 * fine, "{coarse} {fine}");
+}
+
 /// With three times the tolerance the same waves are merged: that companion differs in nothing, and only finer ones tell.
 #[test]
 fn a_run_that_merges_what_its_coarser_companion_merges_states_its_error_all_the_same() {
-    let scene = |tolerance: f64| {
-        let overrides = [format!("solve.front-tolerance={tolerance}")];
-        Scene::parse("spring.toml", ON_A_SPRING, Path::new("."), &overrides).expect("a scene")
-    };
-    let response = |tolerance: f64| {
-        let settings = Settings { front_tolerance: tolerance, ..Settings::default() };
-        let mut bar = assemble::front_tracking(&scene(tolerance), settings);
-        let course = Course { instants: &[4e-4, 9.37e-4], gauges: &[], until: 0.0, work: u64::MAX };
-        let followed = respond(&scene(tolerance).bar, &mut bar, course, |_, _| Ok::<_, Infallible>(()));
-        followed.expect("it comes to its end").0
-    };
+    let response = |tolerance: f64| response(ON_A_SPRING, tolerance);
     let [coarser, run, truth] = [0.3, 0.1, 1e-4].map(response);
     assert_eq!(run.errors(&coarser).largest().expect("measured").1, 0.0);
     let error = run.errors(&truth).largest().expect("measured").1;
-    let summary = run::run(&scene(0.1), None, &mut |_| ControlFlow::Continue(())).expect("it runs");
+    let summary = run::run(&scene(ON_A_SPRING, 0.1), None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     let estimate = summary.error.expect("an estimate").value;
     println!("error {error:.2e}, estimate {estimate:.2e}");
     assert!(

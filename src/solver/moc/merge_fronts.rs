@@ -8,7 +8,8 @@
 //! booked. Where waves of two kinds cancel each other (an unloading wave within the loading waves that it overtakes), a mean of one kind
 //! can hold more energy than what it replaces: over a run such merges may give no more than the front tolerance's part of the energy, and what
 //! others have taken. What a merge changes is measured as it is done: two steps become one only where the integral of |change| over x
-//! stays below the allowance. Nothing is ever averaged across an end or a joint, nor next to one.
+//! stays below the allowance. Nothing is ever averaged across an end or a joint, and next to one only histories are: a piece between a joint
+//! and a place where histories differ would stay for good, however short, and every wave that enters it runs to and fro.
 //!
 //! To hold weak waves back where they arise, until the next front comes by, is not good enough: measured, the steps in
 //! velocity that stay behind at thousands of contacts add up to more than the signal, even if each is tiny.
@@ -88,6 +89,10 @@ impl FrontTracking {
         let elastic = scratch.pieces[start..end].iter().all(|piece| piece.plastic == 0.0 && piece.accumulated == 0.0);
         scratch.kind.clear();
         scratch.kind.extend((start + 1..end).filter_map(|i| scratch.wave[i].map(|speed| (speed, i))));
+        if across && !elastic && scratch.kind.iter().any(|&(speed, _)| speed == 0.0) {
+            // The histories go up to the borders.
+            scratch.kind.extend([(0.0, start), (0.0, end)]);
+        }
         scratch.kind.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut first = 0;
         while first < scratch.kind.len() {

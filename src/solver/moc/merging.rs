@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::nearness::REST;
 use super::place::Content;
+use super::scale::softness;
 use crate::wave::riemann::{Flow, Medium, Path, Point};
 
 /// The allowance, over (front tolerance)^2 times stress scale times length. Steps of height delta that are delta apart
@@ -56,8 +57,10 @@ pub(super) struct FrontMerging {
     /// Least change of a jump, Pa, and largest one of the states beside it.
     jump: f64,
     kept: f64,
-    /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale.
+    /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale over its softness.
     secant: Vec<f64>,
+    /// For each segment how much more a change of its stress counts, see [`softness`].
+    softness: Vec<f64>,
     due_at_nodes: usize,
     due_at_events: u64,
     #[serde(skip)]
@@ -81,13 +84,13 @@ pub(super) struct Scratch {
     trial: Vec<Point>,
 }
 
-/// A step of one kind's function: over the pieces `first..last`, between two nodes of that kind.
+/// A step of one kind's function: over the pieces `first..last`, between two nodes of that kind, or of histories between one and a border.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     first: usize,
     last: usize,
     length: f64,
-    /// Height above the piece before the first node of its kind.
+    /// Height above the piece before the first node of its kind, or above the first piece where that node is a border.
     height: Point,
     segment: usize,
     /// Nothing has flowed around it.
@@ -151,7 +154,9 @@ impl FrontMerging {
         self.overstress = self.tolerance * stress_scale;
         self.jump = stress_scale * JUMP.max(JUMP_TOLERANCES * self.tolerance);
         self.kept = AT_JUMP * self.tolerance * self.overstress;
-        self.secant = media.iter().map(|m| secant(m, stress_scale)).collect();
+        self.softness = softness(media, stress_scale);
+        self.secant =
+            media.iter().zip(&self.softness).map(|(m, softness)| secant(m, stress_scale / softness)).collect();
     }
 
     /// Whether there is a tolerance.
@@ -196,7 +201,9 @@ impl Scratch {
         let mut height = Point::default();
         for pair in self.kind[from..to].windows(2) {
             let (first, last) = (pair[0].1, pair[1].1);
-            height = height.plus(&self.pieces[first], 1.0).plus(&self.pieces[first - 1], -1.0);
+            if self.wave[first].is_some() {
+                height = height.plus(&self.pieces[first], 1.0).plus(&self.pieces[first - 1], -1.0);
+            }
             let length = (self.x[last] - self.x[first]).max(0.0);
             let k = self.steps.len();
             let sides = [if k > start { k - 1 } else { NONE }, k + 1];
@@ -278,7 +285,7 @@ impl FrontMerging {
             let share = share(&a, &b);
             let height = a.height.plus(&b.height, share).plus(&a.height, -share);
             let medium = &media[a.segment];
-            let most = if change > TRIFLE * self.allowance { 0.0 } else { self.overstress };
+            let most = if change > TRIFLE * self.allowance { 0.0 } else { self.overstress / self.softness[a.segment] };
             let Some(taken) = scratch.lift([a, b], &height, medium, most, -self.credit) else { continue };
             self.credit += taken.energy;
             self.changed += change;
@@ -307,7 +314,10 @@ impl FrontMerging {
         let medium = &media[a.segment];
         let (distance, share) = (self.distance(&a.height, &b.height, medium, a.segment), share(a, b));
         let change = distance * 2.0 * a.length * share;
-        if change > self.allowance || a.elastic && self.blunts([a, b], distance, share, scratch, medium) {
+        // Histories are steepest beside ends and joints, and what has flowed there is looked at most.
+        let at_border = [a.first, b.last].iter().any(|&node| scratch.wave[node].is_none());
+        let allowance = if at_border { TRIFLE * self.allowance } else { self.allowance };
+        if change > allowance || a.elastic && self.blunts([a, b], distance, share, scratch, medium) {
             return None;
         }
         let change = if change < NO_CHANGE * self.allowance { 0.0 } else { change };
@@ -338,11 +348,11 @@ impl FrontMerging {
     }
 
     /// How far two heights are apart, Pa: in stress, in the stress of an elastic wave of that velocity, or in the stress
-    /// that goes with that plastic strain.
+    /// that goes with that plastic strain. In a segment that is softer than others all of them count more.
     fn distance(&self, a: &Point, b: &Point, medium: &Medium, segment: usize) -> f64 {
         let history = (a.accumulated - b.accumulated).abs().max((a.plastic - b.plastic).abs());
         let stress = (a.stress - b.stress).abs().max((a.velocity - b.velocity).abs() * medium.impedance());
-        stress.max(history * self.secant[segment])
+        stress.max(history * self.secant[segment]) * self.softness[segment]
     }
 }
 

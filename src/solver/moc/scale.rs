@@ -13,14 +13,28 @@ pub(super) fn stress_scale(points: &[(usize, Point)], media: &[Medium], loads: [
     let velocities = || points.iter().map(|(_, point)| point.velocity).chain(loads().flat_map(|load| load.1));
     let range = velocities().fold(f64::MIN, f64::max) - velocities().fold(f64::MAX, f64::min);
     let mut work = Workspace::default();
-    let struck = points.iter().map(|(k, point)| {
-        let medium = &media[*k];
-        let driver = Side::Straight { force: 0.0, velocity: -range, compliance: 0.0 };
+    let largest = points.iter().map(|(k, point)| {
         let unstressed = Point { stress: 0.0, velocity: 0.0, ..*point };
-        let stress = solve(driver, Side::Bar(medium, &unstressed), &mut work).force / medium.area;
-        stress.abs().max(point.stress.abs())
+        struck(&media[*k], &unstressed, range, &mut work).max(point.stress.abs())
     });
-    struck.fold(loads().map(|load| load.0).fold(0.0, f64::max), f64::max)
+    largest.fold(loads().map(|load| load.0).fold(0.0, f64::max), f64::max)
+}
+
+/// Stress (Pa, >= 0) that this velocity (m/s) at its end brings about in a material at rest.
+fn struck(medium: &Medium, at_rest: &Point, velocity: f64, work: &mut Workspace) -> f64 {
+    let driver = Side::Straight { force: 0.0, velocity: -velocity, compliance: 0.0 };
+    (solve(driver, Side::Bar(medium, at_rest), work).force / medium.area).abs()
+}
+
+/// For each segment the largest stress of all over its own, >= 1, where all are struck as fast as the free end moves after an elastic wave of
+/// `stress_scale` (Pa) in the segment of the largest impedance.
+pub(super) fn softness(media: &[Medium], stress_scale: f64) -> Vec<f64> {
+    let velocity = 2.0 * stress_scale / media.iter().map(Medium::impedance).fold(0.0, f64::max);
+    let mut work = Workspace::default();
+    let mut stress = |medium| struck(medium, &Point::default(), velocity, &mut work).min(stress_scale);
+    let stresses: Vec<f64> = media.iter().map(&mut stress).collect();
+    let largest = stresses.iter().copied().fold(0.0, f64::max);
+    stresses.iter().map(|&stress| if stress > 0.0 { largest / stress } else { 1.0 }).collect()
 }
 
 /// What an end imposes.

@@ -89,7 +89,7 @@ pub fn check(spec: &Spec) -> Checked {
 const NEAR: [f64; 2] = [0.5, 0.9];
 /// How many times as many cells show the largest strains of short loads, and of waves that run together; and by how much a strain still grows then that
 /// is not resolved yet.
-const STILL_FINER: [usize; 2] = [16, 64];
+const STILL_FINER: [usize; 3] = [16, 64, 256];
 const GROWS: f64 = 1.5;
 
 /// Methods that stop at the end of the data, or in fully compressed material, where no other method comes near that strain, on finer cells either.
@@ -101,12 +101,15 @@ fn stops_alone(spec: &Spec, became: &[(Method, Became)]) -> Vec<(Method, Failure
     }
     let comes_near = |limit: f64, &(by, figures): &(Method, &Figures)| {
         let finer = |n: usize| figures_of(&spec.text(by, n)).map(|figures| figures.strain_of_cell);
+        let mut before = f64::INFINITY;
         figures.strain_of_cell >= NEAR[0] * limit
-            || match STILL_FINER.map(finer) {
-                [Some(before), Some(strain)] => strain >= NEAR[1] * limit || strain > GROWS * before,
-                // It stops itself.
-                _ => true,
-            }
+            || STILL_FINER.into_iter().any(|n| {
+                // Where it has no figures, it stops itself.
+                let strain = finer(n).unwrap_or(f64::INFINITY);
+                let near = strain >= NEAR[1] * limit || strain > GROWS * before;
+                before = strain;
+                near
+            })
     };
     let alone = |(method, became): &(Method, Became)| {
         let Became::Stopped(reason) = became else { return None };

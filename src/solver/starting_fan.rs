@@ -73,7 +73,7 @@ pub struct StartingFan {
     first: usize,
     steps: usize,
     known: usize,
-    /// Nodes from the end on that it may set: none that one from the far side sets.
+    /// Nodes from the end on that it may set: none that one from the far side sets, nor that a wave from elsewhere reaches while it is imposed.
     pub nodes: usize,
 }
 
@@ -123,7 +123,7 @@ impl StartingFan {
             first: first as usize,
             steps: (first + wanted.min(possible).max(0.0)) as usize,
             known: (first + possible.max(0.0)) as usize,
-            nodes: if initial_fan.alone { cells } else { (cells - 1) / 2 },
+            nodes: if initial_fan.alone { cells } else { (cells - 1) / 2 }.min((initial_fan.uniform_for / dx) as usize),
         })
     }
 

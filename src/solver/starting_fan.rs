@@ -8,6 +8,9 @@ use crate::wave::similarity::Edge;
 /// Velocities of two sides of a joint that differ by this part of their jumps are one.
 const TOGETHER: f64 = 1e-9;
 
+/// Places that differ by this part are one.
+const SAME_PLACE: f64 = 1e-9;
+
 /// A front of a fan.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Front {
@@ -91,6 +94,8 @@ impl StartingFan {
         let wanted = (initial_fan.followed_for(dx, wave_speed) / dt).ceil();
         let possible = (initial_fan.known_until(dx * cells as f64) / dt).floor() - 1.0;
         // Waves that start a fan arrive with a whole step; that within which a gap closes is part of the fan.
+        // Of bars that mirror each other as many.
+        let alike = (initial_fan.uniform_for / dx) * (1.0 + SAME_PLACE);
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
         let first = if by_wave { started.round() } else { started.floor() };
         let mut ahead = [initial_fan.velocity_ahead, initial_fan.stress_ahead()];
@@ -123,7 +128,7 @@ impl StartingFan {
             first: first as usize,
             steps: (first + wanted.min(possible).max(0.0)) as usize,
             known: (first + possible.max(0.0)) as usize,
-            nodes: if initial_fan.alone { cells } else { (cells - 1) / 2 }.min((initial_fan.uniform_for / dx) as usize),
+            nodes: if initial_fan.alone { cells } else { (cells - 1) / 2 }.min(alike as usize),
         })
     }
 

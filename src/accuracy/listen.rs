@@ -132,7 +132,8 @@ impl GridListener {
 
 fn empty(bar: &Bar) -> Response {
     let modulus = bar.segments.iter().map(|segment| segment.material.modulus).fold(0.0, f64::max);
-    Response { length: bar.length(), modulus, ..Response::default() }
+    let lengths = bar.segments.iter().map(|segment| segment.length).collect();
+    Response { lengths, modulus, ..Response::default() }
 }
 
 fn profile(bar: &impl Stepped, quantity: Quantity) -> Shape {

@@ -30,8 +30,8 @@ pub struct Response {
     pub gauges: Vec<Shape>,
     /// Largest magnitude of the stress at either end, Pa.
     pub peak: f64,
-    /// Length of the bar, m.
-    pub length: f64,
+    /// Lengths of the segments from left to right, m.
+    pub lengths: Vec<f64>,
     /// Largest Young's modulus, Pa.
     pub modulus: f64,
 }
@@ -47,6 +47,8 @@ struct Scale {
     /// s.
     duration: f64,
     length: f64,
+    /// Length of the segments that flow, m; of all where none does.
+    flowing: f64,
 }
 
 impl Response {
@@ -96,7 +98,7 @@ impl Response {
             }
             Measure::ResidualStrain => {
                 let (own, other, by) = (self.plastic.as_ref()?, other.plastic.as_ref()?, relative_to.plastic.as_ref()?);
-                Some(over((own.apart(other).0, by.apart(by).1), FLOOR * scale.strain * scale.length))
+                Some(over((own.apart(other).0, by.apart(by).1), FLOOR * scale.strain * scale.flowing))
             }
             Measure::PeakForce => Some(over(((self.peak - other.peak).abs(), relative_to.peak), FLOOR * scale.stress)),
         })
@@ -126,13 +128,28 @@ impl Response {
         let peaks = self.fields.iter().map(|(_, shape)| shape).chain(&self.ends).chain(&self.gauges);
         let stress = peaks.map(Shape::largest).fold(self.peak, f64::max).max(ROUNDING_STRAIN * self.modulus);
         let plastic = self.plastic.as_ref().map_or(0.0, Shape::largest);
+        let length = self.lengths.iter().sum();
         Scale {
             stress,
             field: field / (self.fields.len() as f64).max(1.0),
             strain: plastic.max(stress / self.modulus),
             duration: self.time(),
-            length: self.length,
+            length,
+            flowing: self.flowing(FLOOR * plastic).unwrap_or(length),
         }
+    }
+
+    /// Length of the segments with more plastic strain than this anywhere, m; none where there are none. A specimen between long bars does not count
+    /// for less than a long one.
+    fn flowing(&self, least: f64) -> Option<f64> {
+        let plastic = self.plastic.as_ref()?;
+        let mut to = 0.0;
+        let flows = self.lengths.iter().filter(|length| {
+            let from = to;
+            to += *length;
+            plastic.largest_between([from, to]) > least
+        });
+        Some(flows.sum()).filter(|&length| length > 0.0)
     }
 }
 
@@ -160,7 +177,7 @@ mod tests {
             ends: vec![Shape::Steps { edges: vec![], values: vec![level], ends: [0.0, 1.0] }; 2],
             gauges: vec![],
             peak: level,
-            length: 1.0,
+            lengths: vec![1.0],
             modulus: 1e3,
         }
     }
@@ -185,6 +202,18 @@ mod tests {
         };
         let errors = quiet(1e-9).errors(&quiet(0.0));
         assert!(errors[Measure::FieldAtEnd].expect("measured") < 1e-7, "{errors:?}");
+    }
+
+    /// A hundredth of the bar was what the plastic strain of a specimen of a thousandth of it was measured by.
+    #[test]
+    fn a_short_specimen_is_measured_by_what_is_in_it() {
+        let flowed = |plastic: f64| {
+            let edges = vec![0.5, 0.501];
+            let shape = Shape::Steps { edges, values: vec![0.0, plastic, 0.0], ends: [0.0, 1.0] };
+            Response { plastic: Some(shape), lengths: vec![0.5, 0.001, 0.499], ..response(0.5, 1e-6) }
+        };
+        let error = flowed(0.09).errors(&flowed(0.1))[Measure::ResidualStrain].expect("measured");
+        assert!((error - 0.1).abs() < 1e-9, "{error}");
     }
 
     #[test]

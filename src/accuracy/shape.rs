@@ -87,6 +87,23 @@ impl Shape {
         }
     }
 
+    /// Largest magnitude between two places that lie inside it; of cells and points those between them count.
+    pub fn largest_between(&self, [from, to]: [f64; 2]) -> f64 {
+        let within = |x: f64| (from..=to).contains(&x);
+        let magnitudes: &mut dyn Iterator<Item = f64> = match self {
+            Self::Steps { edges, values, .. } => {
+                let [first, last] = [(from, Side::After), (to, Side::Before)]
+                    .map(|(x, side)| edges.partition_point(|&edge| side.is_past(edge, x)));
+                &mut values[first..=last.max(first)].iter().copied()
+            }
+            Self::Points(points) => &mut points.iter().filter(|point| within(point.0)).map(|point| point.1),
+            Self::Cells(cells) => {
+                &mut cells.parts().zip(&cells.values).filter(|((_, x), _)| within(*x)).map(|(_, &value)| value)
+            }
+        };
+        magnitudes.fold(0.0, |most, value| most.max(value.abs()))
+    }
+
     /// Integrals of |difference| and of the reference's magnitude. Points are read where they are, the second of two at one place
     /// behind the jump, and cells at their centres, each for the stretch that it stands for; two rows of steps are integrated exactly.
     pub fn apart(&self, reference: &Self) -> (f64, f64) {

@@ -15,7 +15,7 @@ pub fn similar_response(bar: &Bar, initial_fan: &InitialFan, times: &[f64], gaug
         peak: ends.iter().map(Shape::largest).fold(0.0, f64::max),
         ends: ends.into(),
         gauges: gauges.iter().map(|&x| similar_history(initial_fan, x, until)).collect(),
-        length,
+        lengths: bar.segments.iter().map(|segment| segment.length).collect(),
         modulus,
     }
 }

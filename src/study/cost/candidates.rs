@@ -227,7 +227,7 @@ mod tests {
 
     fn run(fineness: f64, error: f64, seconds: f64) -> Run {
         let shape = Shape::Points(vec![(0.5, 1.0 + error)]);
-        let response = Response { fields: vec![(1.0, shape)], length: 1.0, modulus: 1.0, ..Response::default() };
+        let response = Response { fields: vec![(1.0, shape)], lengths: vec![1.0], modulus: 1.0, ..Response::default() };
         let pass = Pass { seconds, response, cells: fineness as usize, work: 1, tracked: None };
         Run { fineness, pass }
     }

@@ -130,7 +130,8 @@ impl GridListener {
     }
 }
 
-fn empty(bar: &Bar) -> Response {
+/// A response to be, of nothing yet.
+pub(super) fn empty(bar: &Bar) -> Response {
     let modulus = bar.segments.iter().map(|segment| segment.material.modulus).fold(0.0, f64::max);
     let lengths = bar.segments.iter().map(|segment| segment.length).collect();
     Response { lengths, modulus, ..Response::default() }

@@ -1,5 +1,6 @@
 //! The response of a bar with a single fan: the self-similar solution.
 
+use super::listen::empty;
 use super::response::Response;
 use super::shape::Shape;
 use crate::bar::{Bar, InitialFan};
@@ -15,8 +16,8 @@ pub fn similar_response(bar: &Bar, initial_fan: &InitialFan, times: &[f64], gaug
         peak: ends.iter().map(Shape::largest).fold(0.0, f64::max),
         ends: ends.into(),
         gauges: gauges.iter().map(|&x| similar_history(initial_fan, x, until)).collect(),
-        lengths: bar.segments.iter().map(|segment| segment.length).collect(),
         modulus,
+        ..empty(bar)
     }
 }
 

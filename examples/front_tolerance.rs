@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --example front_tolerance [SECONDS] > docs/front-tolerance.csv` prints events, fronts under way at
 //! the end, time, relative L1 error of the end (of stress or plastic strain, the larger) against a run with a hundredth of
-//! the tolerance, the estimate that `barwave run` states of it, and the relative energy dissipated. The error is left empty where the finer run takes more
-//! than 3e7 events, or where SECONDS (240 where not given) are over.
+//! the tolerance, the estimate that `barwave run` states of it, and the relative energy dissipated. The error is left empty
+//! where the finer run takes more than 3e7 events, or where SECONDS (240 where not given) are over.
 
 #[path = "../tests/common/long_bars.rs"]
 mod long_bars;

@@ -1,6 +1,6 @@
 //! How far a segment is as it is at one of its ends, to the fans that start there.
 
-use super::Segment;
+use super::{Distribution, Segment};
 
 /// Change of the section, of the force that the velocity and the stress of the bar ahead bring, and of plastic strain, relative to the section and to
 /// what a fan changes, up to which the state behind the fan counts as constant. Copper and bilinear steel on walls, rods, dashpots and strikers, with
@@ -16,23 +16,21 @@ pub(crate) fn same_section(segment: &Segment, direction: f64) -> f64 {
 }
 
 /// Distance from the left (`direction` +1) or right (-1) end of a segment within which its initial state counts as that of the end, m, for a load
-/// that changes the stress by `stress` (Pa) and the strain by `strain`, either sign, and goes there while waves come from further in.
+/// that changes the stress by `stress` (Pa) and the strain by `strain`, either sign, though waves from further in come to meet it.
 pub(crate) fn same_state(segment: &Segment, direction: f64, stress: f64, strain: f64) -> f64 {
     let Some(profile) = &segment.profile else { return f64::INFINITY };
     let [stress, strain] = [stress, strain].map(|change| SAME * change.abs());
-    let tables = [
-        (&profile.velocity, stress / segment.material.impedance()),
-        (&profile.stress, stress),
-        (&profile.plastic_strain, strain),
-        (&profile.accumulated, strain),
-    ];
-    let within = tables.map(|(table, allowed)| {
-        let rows: Vec<_> = table.part(0.0, segment.length).rows().collect();
-        let ((near, jumps), (far, _)) = (same(rows.clone(), direction, allowed), same(rows, direction, 2.0 * allowed));
-        // The state of places twice as far away has come to meet the load by then: of an even slope twice as much, of a jump all.
+    let rows = |table: &Distribution| table.part(0.0, segment.length).rows().collect::<Vec<_>>();
+    // What has flowed stays where it is. The velocity and the stress of places twice as far away have come to meet the load by then: of an even
+    // slope twice as much, of a jump all.
+    let stays = |table: &Distribution| same(rows(table), direction, strain).0;
+    let travels = |table: &Distribution, allowed: f64| {
+        let [(near, jumps), (far, _)] = [1.0, 2.0].map(|times| same(rows(table), direction, times * allowed));
         if jumps { 0.5 * near } else { near.min(0.5 * far) }
-    });
-    within.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    let travelling =
+        travels(&profile.velocity, stress / segment.material.impedance()).min(travels(&profile.stress, stress));
+    travelling.min(stays(&profile.plastic_strain)).min(stays(&profile.accumulated))
 }
 
 /// Distance from the first or the last of these rows (x, value), straight between them, within which the value changes by no more than `allowed`, and whether
@@ -58,7 +56,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::bar::{Distribution, InitialProfile, Profile, Taper};
+    use crate::bar::{InitialProfile, Profile, Taper};
     use crate::material::{Beyond, Curve, Material};
 
     fn segment(length: f64) -> Segment {
@@ -81,14 +79,22 @@ mod tests {
 
     #[test]
     fn a_state_is_the_same_up_to_a_jump_or_a_slope() {
-        let zero = Distribution::constant(0.0);
+        let zero = || Distribution::constant(0.0);
         let profile = InitialProfile {
             velocity: Distribution::new(&[(0.0, 10.0), (1.0, 10.0), (1.0, 4.0), (2.0, 4.0)]).expect("rows"),
             stress: Distribution::new(&[(0.0, 0.0), (2.0, -80e6)]).expect("rows"),
-            plastic_strain: zero.clone(),
-            accumulated: zero.clone(),
-            temperature_rise: zero,
+            plastic_strain: zero(),
+            accumulated: zero(),
+            temperature_rise: zero(),
         };
+        let hardened = InitialProfile {
+            velocity: zero(),
+            stress: zero(),
+            plastic_strain: Distribution::new(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.01), (2.0, 0.01)]).expect("rows"),
+            ..profile.clone()
+        };
+        let hardened = Segment { profile: Some(Arc::new(hardened)), ..segment(2.0) };
+        assert_eq!([1.0, -1.0].map(|direction| same_state(&hardened, direction, 1e9, 1e-3)), [1.0; 2]);
         let segment = Segment { profile: Some(Arc::new(profile)), ..segment(2.0) };
         assert!((same_state(&segment, 1.0, -80e6, 1e-3) - 0.2).abs() < 1e-12);
         // Waves of 4e7 Pa s/m: the jump of velocity is one of 240 MPa, and its wave comes half-way.

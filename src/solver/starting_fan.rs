@@ -93,9 +93,10 @@ impl StartingFan {
         fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
         let wanted = (initial_fan.followed_for(dx, wave_speed) / dt).ceil();
         let possible = (initial_fan.known_until(dx * cells as f64) / dt).floor() - 1.0;
+        let until_other_fans = if initial_fan.alone { cells } else { (cells - 1) / 2 };
+        // Whatever is rounding: a bar and its mirror image have as many.
+        let uniform = (initial_fan.uniform_for / dx * (1.0 + SAME_PLACE)) as usize;
         // Waves that start a fan arrive with a whole step; that within which a gap closes is part of the fan.
-        // Of bars that mirror each other as many.
-        let alike = (initial_fan.uniform_for / dx) * (1.0 + SAME_PLACE);
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
         let first = if by_wave { started.round() } else { started.floor() };
         let mut ahead = [initial_fan.velocity_ahead, initial_fan.stress_ahead()];
@@ -128,7 +129,7 @@ impl StartingFan {
             first: first as usize,
             steps: (first + wanted.min(possible).max(0.0)) as usize,
             known: (first + possible.max(0.0)) as usize,
-            nodes: if initial_fan.alone { cells } else { (cells - 1) / 2 }.min(alike as usize),
+            nodes: until_other_fans.min(uniform),
         })
     }
 

@@ -129,10 +129,10 @@ fn a_soft_segment_keeps_its_plastic_strain() {
     assert!(stress < 1e-3 && plastic < 1e-2, "stress {stress:.1e}, plastic strain {plastic:.1e}");
 }
 
-/// Where the plastic strain changes just beside a joint or an end, waves would run to and fro in the sliver between the two for good: ten
+/// Where the plastic strain changes just beside a joint or an end, waves would reverberate in the sliver between the two for good: ten
 /// times the tolerance would take three times the events.
 #[test]
-fn waves_do_not_run_to_and_fro_beside_a_joint_for_good() {
+fn waves_do_not_reverberate_beside_a_joint_for_good() {
     let case =
         cases().into_iter().find(|case| case.name == "held, kinematic, two materials").expect("it is one of them");
     let [coarse, fine] = [1e-1, 1e-2].map(|tolerance| case.run(tolerance, MOST_EVENTS).0.events());

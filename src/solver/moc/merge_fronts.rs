@@ -9,7 +9,7 @@
 //! can hold more energy than what it replaces: over a run such merges may give no more than the front tolerance's part of the energy, and what
 //! others have taken. What a merge changes is measured as it is done: two steps become one only where the integral of |change| over x
 //! stays below the allowance. Nothing is ever averaged across an end or a joint, and next to one only histories are: a piece between a joint
-//! and a place where histories differ would stay for good, however short, and every wave that enters it runs to and fro.
+//! and a place where histories differ would stay for good, however short, and every wave that enters it would reverberate.
 //!
 //! To hold weak waves back where they arise, until the next front comes by, is not good enough: measured, the steps in
 //! velocity that stay behind at thousands of contacts add up to more than the signal, even if each is tiny.

@@ -151,7 +151,10 @@ fn nothing_in(view: &View, name: PanelName) -> InputError {
             "theoretical front",
             "it needs an end or a joint with a jump in velocity or stress at t = 0, and a finished run",
         ),
-        PanelName::StressStrain => ("strain", "add gauges, or `stress` and `strain` to `fields`, under [record]"),
+        PanelName::StressStrain => (
+            "change of strain",
+            "add gauges where the bar is strained, or `stress` and `strain` to `fields`, under [record]",
+        ),
     };
     InputError::new(format!("{} has no {panel} to plot", view.file.path().display())).key("--panel").help(help)
 }

@@ -103,15 +103,16 @@ fn fan_of_theory(field: Field, fan: &[&FrontRow], last: f64, speed: f64, factor:
     Some(Series::line("theory", points, broad()))
 }
 
-/// Stress over strain at the gauges (or at the quarters of the bar), with the curves of the materials.
+/// Stress over strain at the gauges (or at four places along the bar), with the curves of the materials. What stays in one state has no path.
 pub(super) fn path(view: &View) -> Result<Option<LinePanel>> {
     let unit = view.units.stress();
     let paths = gauge_paths(view)?;
-    let (paths, heading) = if paths.is_empty() {
+    let (mut paths, heading) = if paths.is_empty() {
         (sampled_paths(view)?, "path in the stress-strain plane, frame by frame")
     } else {
         (paths, "path in the stress-strain plane")
     };
+    paths.retain(|(_, points)| points.windows(2).any(|pair| pair[0] != pair[1]));
     if paths.is_empty() {
         return Ok(None);
     }
@@ -144,16 +145,16 @@ fn gauge_paths(view: &View) -> Result<Vec<Path>> {
             gauge.trace.strain.iter().copied().zip(gauge.trace.stress.iter().copied()).collect();
         (gauge.name, points)
     };
-    Ok(view.file.gauges()?.into_iter().map(path).filter(|(_, points)| !points.is_empty()).collect())
+    Ok(view.file.gauges()?.into_iter().map(path).collect())
 }
 
-/// At the first sample, at a quarter and in the middle of the bar, frame by frame.
+/// At the left end, at a quarter, in the middle and at the right end of the bar, frame by frame.
 fn sampled_paths(view: &View) -> Result<Vec<Path>> {
     let fields = view.file.fields();
     if !(fields.contains(&Field::Stress) && fields.contains(&Field::Strain)) {
         return Ok(Vec::new());
     }
-    let mut samples = [0.0, 0.25, 0.5].map(|part| nearest(&view.x, part * view.length)).to_vec();
+    let mut samples = [0.0, 0.25, 0.5, 1.0].map(|part| nearest(&view.x, part * view.length)).to_vec();
     samples.dedup();
     let (strain, stress) = (view.columns(Field::Strain, &samples)?, view.columns(Field::Stress, &samples)?);
     let unit = view.length_unit();

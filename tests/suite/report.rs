@@ -313,20 +313,36 @@ fn a_spike_that_the_axis_cuts_off_is_named() {
     assert!(svg.contains("extends to \u{2212}9000"), "{svg}");
 }
 
-/// The panel over x/t of a bar whose end moves like this; none where the file has no data for it.
-fn over_x_t(value: &str) -> Option<String> {
+/// A panel of a bar between a moved and an absorbing end; none where the file has no data for it.
+fn panel_of(panel: PanelName, until: &str, [moved, absorbing]: [&str; 2], value: &str) -> Option<String> {
     let folder = tempfile::tempdir().unwrap();
     let material =
         "{ name = \"steel\", density = 7800, modulus = 200e9, curve = { table = [[0.001, 200e6], [0.021, 600e6]] } }";
     let scene = format!(
-        "[bar]\nlength = 1\nmaterial = {material}\n[left]\nkind = \"velocity\"\n{value}\n[right]\nkind = \"absorbing\"\n\
-         [solve]\ncells = 200\nuntil = \"120 us\"\n[record]\nframes = 13\n"
+        "[bar]\nlength = 1\nmaterial = {material}\n[{moved}]\nkind = \"velocity\"\n{value}\n\
+         [{absorbing}]\nkind = \"absorbing\"\n[solve]\ncells = 200\nuntil = \"{until}\"\n[record]\nframes = 13\n"
     );
     std::fs::write(folder.path().join("a.toml"), scene).unwrap();
     let output = binary::barwave(folder.path(), &["run", "a.toml", "-o", "a.h5", "--quiet"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let figure = Figure { panels: vec![PanelName::SelfSimilar], ..Figure::default() };
+    let figure = Figure { panels: vec![panel], ..Figure::default() };
     draw(&ResultFile::open(&folder.path().join("a.h5")).unwrap(), &figure).ok().map(|picture| picture.svg())
+}
+
+fn over_x_t(value: &str) -> Option<String> {
+    panel_of(PanelName::SelfSimilar, "120 us", ["left", "right"], value)
+}
+
+#[test]
+fn the_stress_strain_panel_shows_the_places_that_are_strained() {
+    let path = |until, ends, value| panel_of(PanelName::StressStrain, until, ends, value);
+    let ends = ["right", "left"];
+    // The wave has come 0.2 m far, then through the middle of the bar.
+    let one = path("40 us", ends, "value = 12").unwrap();
+    assert_eq!(one.matches(">x = ").count(), 1, "{one}");
+    let two = path("120 us", ends, "value = 12").unwrap();
+    assert_eq!(two.matches(">x = ").count(), 2, "{two}");
+    assert_eq!(path("40 us", ends, "value = 0"), None);
 }
 
 #[test]

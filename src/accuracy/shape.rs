@@ -80,11 +80,7 @@ impl Shape {
 
     /// Largest magnitude.
     pub fn largest(&self) -> f64 {
-        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, v| most.max(v.abs()));
-        match self {
-            Self::Steps { values, .. } | Self::Cells(Cells { values, .. }) => largest(&mut values.iter().copied()),
-            Self::Points(points) => largest(&mut points.iter().map(|point| point.1)),
-        }
+        self.largest_between([f64::MIN, f64::MAX])
     }
 
     /// Largest magnitude between two places that lie inside it; of cells and points those between them count.

@@ -6,7 +6,7 @@ mod sudden_fans;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, EndCondition, InitialFan, Segment, SuddenLoads, first_fans};
+use crate::bar::{Bar, InitialFan, Origin, Segment, SuddenLoads, first_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -56,12 +56,11 @@ const MOST_SHIFT: f64 = 3.0;
 /// The grid of a scene: about `cells` cells, Courant number `cfl`. Sharp waves cross a cell in a step where they can: by 1e-4 less, the scheme
 /// disperses them, by 10 % of their stress. Smooth waves do not need that, and are of second order without.
 pub fn grid(scene: &Scene, cells: usize, cfl: f64) -> Grid {
-    let (grid, bar) = (Grid::new(&scene.bar, cells, cfl), &scene.bar);
-    let smooth = bar.starts_at_rest() && ![&scene.left, &scene.right].into_iter().any(EndCondition::is_sudden);
-    if cfl < 1.0 || smooth && scene.effects.rupture.is_none() {
+    let grid = Grid::new(&scene.bar, cells, cfl);
+    if cfl < 1.0 || !scene.may_have_sharp_waves() {
         return grid;
     }
-    grid.in_whole_steps(bar, MOST_SHIFT / grid.steps_to(scene.solve.until) as f64)
+    grid.in_whole_steps(&scene.bar, MOST_SHIFT / grid.steps_to(scene.solve.until) as f64)
 }
 
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
@@ -75,9 +74,17 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let bar = Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along);
     let bar = bar.starting_with(&ends, &fans, at_once).under_sudden_loads(sudden);
     match criteria(scene) {
-        Some(criteria) => bar.that_breaks(criteria),
+        Some(criteria) => bar.that_breaks(criteria, above_critical(scene, &fans)),
         None => bar,
     }
+}
+
+/// The left and the right end are struck or pulled faster than waves along the curve can carry away.
+fn above_critical(scene: &Scene, fans: &[InitialFan]) -> [bool; 2] {
+    // A bar that depends on the strain rate starts without the fan of its curve.
+    let first = first_fans(&scene.bar, &scene.left, &scene.right);
+    let all = || fans.iter().chain(&first);
+    [Origin::Left, Origin::Right].map(|end| all().any(|fan| fan.origin == end && fan.fan.above_critical))
 }
 
 /// The fans with which leapfrog starts, and the sudden loads that it shows.

@@ -283,7 +283,7 @@ fn orders(cost: &Cost) -> String {
     let line = |fit: &OrderFit| {
         let (scheme, against, points) = (&fit.scheme, fit.against.replace('_', " "), fit.fitted.len());
         format!(
-            "order of {scheme}: {:.2} in {against}, {:.2} in time, over {points} points\n",
+            "order of {scheme}: {:.2} in {against}, {:.2} in computing time, over {points} points\n",
             fit.order, fit.order_in_time
         )
     };

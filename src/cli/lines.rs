@@ -11,7 +11,8 @@ impl Lines {
     }
 
     pub(super) fn add(&mut self, label: &str, value: impl Display) {
-        self.0.push(format!("  {label:<18}{value}"));
+        let gap = if label.len() < 18 { "" } else { "  " };
+        self.0.push(format!("  {label:<18}{gap}{value}"));
     }
 
     /// Lines with a layout of their own.

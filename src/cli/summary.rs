@@ -244,13 +244,18 @@ pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String>
         return Vec::new();
     }
     let limit = width::of_stdout().unwrap_or(usize::MAX).saturating_sub(INDENT.len());
-    let headings =
+    let wide =
         ["front    ", "strain from", "         to", "    stress to", "        speed", "    measured", "last seen at"];
-    let mut narrow = headings.map(str::trim);
-    narrow[headings.len() - 1] = "at x";
-    let is_wide = limit >= headings.iter().map(|heading| heading.len() + 2).sum();
-    let rows: Vec<Vec<String>> = fronts.iter().take(LISTED_FRONTS).map(|front| front_row(front, units)).collect();
-    let table = width::within(limit, if is_wide { &headings } else { &narrow }, &rows, (1, false));
+    let mut narrow = wide.map(str::trim);
+    narrow[wide.len() - 1] = "at x";
+    let is_wide = limit >= wide.iter().map(|heading| heading.len() + 2).sum();
+    // Before a run, theory is all that is known of them.
+    let seen = fronts.iter().any(|front| front.speed_measured.is_some() || front.position.is_some());
+    let columns = if seen { wide.len() } else { wide.len() - 2 };
+    let row = |front| front_row(front, units).into_iter().take(columns).collect();
+    let rows: Vec<Vec<String>> = fronts.iter().take(LISTED_FRONTS).map(row).collect();
+    let headings = if is_wide { &wide[..columns] } else { &narrow[..columns] };
+    let table = width::within(limit, headings, &rows, (1, false));
     let mut lines: Vec<String> =
         table.lines().map(|line| std::format!("{INDENT}{line}").trim_end().to_owned()).collect();
     if fronts.len() > LISTED_FRONTS {

@@ -158,7 +158,7 @@ impl Branch<'_> {
 }
 
 /// Elastic engineering strain where the true stress is q E: e (1 +- e) = q.
-fn elastic_engineering_strain(sense: Sense, q: f64) -> f64 {
+pub(super) fn elastic_engineering_strain(sense: Sense, q: f64) -> f64 {
     2.0 * q / (1.0 + (1.0 + 4.0 * sense.sign() * q).max(0.0).sqrt())
 }
 

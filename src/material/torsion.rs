@@ -13,8 +13,8 @@
 
 use std::sync::Arc;
 
-use super::tabulate::refine;
-use super::{Beyond, Curve, CurveError, Loading, Material};
+use super::tabulate::{elastic_engineering_strain, refine};
+use super::{Beyond, Curve, CurveError, Loading, Material, Sense, UltimateReason, true_from_engineering};
 
 /// Largest distance in stress of a nominal curve from the integral, over its largest stress.
 pub const TORSION_TOLERANCE: f64 = 1e-4;
@@ -22,6 +22,9 @@ pub const TORSION_TOLERANCE: f64 = 1e-4;
 /// Upper limit of the integration of an unbounded curve, relative to its last strain: the core then contributes less than
 /// 1/8^3 of the error of the nominal slope.
 const EXTENDED: f64 = 8.0;
+
+/// Relative difference of the true stresses in tension and compression up to which both are one true curve.
+const SAME_CURVE: f64 = 0.01;
 
 /// A round section: inner over outer radius, 0 <= q < 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,31 +89,29 @@ impl Material {
     /// As [`TubeSection::nominal_curve`].
     pub fn in_torsion(&self, hollow: TubeSection) -> Result<Arc<Self>, CurveError> {
         let (curve, error) = hollow.nominal_curve(&self.tension, self.modulus)?;
-        let form = if hollow.q == 0.0 { "rod".to_owned() } else { format!("tube {:.6}", hollow.q) };
+        let ratio = (hollow.q * 1e6).round() / 1e6;
+        let form = if hollow.q == 0.0 { "rod".to_owned() } else { format!("tube of diameter ratio {ratio}") };
         Ok(Arc::new(Self {
-            name: format!("{} {form}", self.name),
+            name: format!("{}, {form}", self.name),
             tension: curve,
             table_error: self.table_error.max(error),
             ..self.clone()
         }))
     }
 
-    /// This material, known in tension, in shear by von Mises' rule: tau = sigma/sqrt(3), plastic shear strain sqrt(3) times
-    /// plastic strain, G = E/(2 (1 + nu)). For strains at which engineering and true stress are one.
+    /// This material, known in tension, in shear by von Mises' rule, from its true curve: tau = sigma/sqrt(3), plastic shear strain sqrt(3) times plastic
+    /// strain, G = E/(2 (1 + nu)). A twisted section does not shrink, so nothing necks: past the largest engineering stress in tension, the curve goes on as
+    /// that in compression does, if both are one true curve; else its data end there.
     ///
     /// # Errors
     /// What is missing.
     pub fn in_shear(&self) -> Result<Self, &'static str> {
         let nu = self.poisson.ok_or("its Poisson's ratio (`poisson`) is missing, which the shear modulus needs")?;
         let (root, modulus) = (3.0_f64.sqrt(), self.modulus / (2.0 * (1.0 + nu)));
-        let knots = self.tension.strain().iter().zip(self.tension.stress());
-        let rows: Vec<(f64, f64)> = knots
-            .map(|(strain, stress)| {
-                (root * (strain - stress / self.modulus).max(0.0) + stress / root / modulus, stress / root)
-            })
-            .collect();
-        let tension =
-            Curve::new(&rows, self.tension.beyond()).map_err(|_| "its curve does not give a valid shear curve")?;
+        let (rows, beyond) = self.true_rows();
+        let in_shear = |[plastic, stress]: [f64; 2]| (root * plastic + stress / root / modulus, stress / root);
+        let rows: Vec<(f64, f64)> = rows.into_iter().map(in_shear).collect();
+        let tension = Curve::new(&rows, beyond).map_err(|_| "its curve does not give a valid shear curve")?;
         Ok(Self {
             modulus,
             loading: Loading::Shear,
@@ -119,6 +120,39 @@ impl Material {
             table_error: self.table_error / root,
             ..self.clone()
         })
+    }
+
+    /// True plastic strain and true stress (Pa), and what is beyond the last row.
+    fn true_rows(&self) -> (Vec<[f64; 2]>, Beyond) {
+        let mut rows = self.true_branch(Sense::Tension);
+        let necks = self.tension.ultimate().filter(|ultimate| ultimate.reason == UltimateReason::MaximumStress);
+        if let Some(neck) = necks {
+            rows.truncate(self.tension.stress().iter().rposition(|&s| s >= neck.stress).map_or(0, |last| last + 1));
+        }
+        let beyond = if necks.is_some() { Beyond::Error } else { self.tension.beyond() };
+        if self.compression.is_some() && beyond != Beyond::Rupture {
+            let compression = self.true_branch(Sense::Compression);
+            let [plastic, stress] = rows[rows.len() - 1];
+            let next = compression.partition_point(|row| row[0] <= plastic);
+            if let (Some(a), Some(b)) = (compression[..next].last(), compression.get(next)) {
+                let there = a[1] + (b[1] - a[1]) * (plastic - a[0]) / (b[0] - a[0]);
+                if (there / stress - 1.0).abs() < SAME_CURVE {
+                    rows.extend_from_slice(&compression[next..]);
+                }
+            }
+        }
+        (rows, beyond)
+    }
+
+    fn true_branch(&self, sense: Sense) -> Vec<[f64; 2]> {
+        let curve = self.branch(sense);
+        let plastic_and_stress = |(&strain, &stress): (&f64, &f64)| {
+            let (strain, stress) = true_from_engineering(sense, strain, stress);
+            let (elastic, _) =
+                true_from_engineering(sense, elastic_engineering_strain(sense, stress / self.modulus), 0.0);
+            [(strain - elastic).max(0.0), stress]
+        };
+        curve.strain().iter().zip(curve.stress()).map(plastic_and_stress).collect()
     }
 }
 
@@ -203,9 +237,39 @@ mod tests {
         let shear = steel.in_shear().expect("poisson is known");
         assert!((shear.modulus - 80e9).abs() < 1.0 && shear.loading == Loading::Shear);
         let root = 3.0_f64.sqrt();
-        assert!((shear.tension.elastic_limit(shear.modulus).1 - 200e6 / root).abs() < 1.0);
-        // Plastic strain 0.009 at 400 MPa.
-        let expected = root * 0.009 + 400e6 / root / 80e9;
-        assert!((shear.tension.last_strain() - expected).abs() < 1e-15);
+        // True stress at the engineering strain 0.001.
+        assert!((shear.tension.elastic_limit(shear.modulus).1 - 200e6 * 1.001 / root).abs() < 1.0);
+        // Engineering strain 0.011, of which 0.002 less a little is elastic, at 400 MPa times 1.011.
+        let stress = 400e6 * 1.011;
+        let elastic = 0.5 * ((1.0_f64 + 4.0 * stress / 200e9).sqrt() - 1.0);
+        let expected = root * (0.011_f64.ln_1p() - elastic.ln_1p()) + stress / root / 80e9;
+        assert!((shear.tension.last_strain() / expected - 1.0).abs() < 1e-12);
+    }
+
+    /// Where tension necks, at true strain 0.3, torsion goes on: tau = K (gamma/sqrt(3))^n/sqrt(3).
+    #[test]
+    fn twisting_makes_no_neck() {
+        let (k, n) = (500e6_f64, 0.3_f64);
+        let true_rows: Vec<(f64, f64)> =
+            (0..290).map(|i| 4e-4 * 1.03_f64.powi(i)).map(|e| (e, k * e.powf(n))).collect();
+        let branch = |sense: Sense| {
+            let rows: Vec<(f64, f64)> =
+                true_rows.iter().map(|&(e, s)| super::super::engineering_from_true(sense, e, s)).collect();
+            Curve::new(&rows, Beyond::Error).expect("rows rise")
+        };
+        let mut copper = Material::from_curve("copper", 8960.0, branch(Sense::Tension));
+        copper.poisson = Some(0.34);
+        assert!(copper.tension.ultimate().is_some_and(|top| (top.strain - 0.3_f64.exp_m1()).abs() < 0.02));
+        let alone = copper.in_shear().expect("a curve").tension;
+        assert!(alone.stops_at_end() && alone.last_strain() < 0.54, "{}", alone.last_strain());
+        copper.compression = Some(branch(Sense::Compression));
+        let whole = copper.in_shear().expect("a curve").tension;
+        assert!(whole.stops_at_end() && whole.last_strain() > 3.4);
+        for gamma in [0.1, 0.5, 1.0, 2.0, 3.0] {
+            let plastic = |stress: f64| (gamma - stress / copper.in_shear().unwrap().modulus) / 3.0_f64.sqrt();
+            let stress = whole.stress_at(gamma);
+            let expected = k * (plastic(stress) + stress * 3.0_f64.sqrt() / copper.modulus).powf(n) / 3.0_f64.sqrt();
+            assert!((stress / expected - 1.0).abs() < 2e-3, "{gamma}: {stress:e} {expected:e}");
+        }
     }
 }

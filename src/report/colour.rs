@@ -94,12 +94,12 @@ pub(super) struct Range {
 
 impl Range {
     /// Both signs present (the smaller at least a twentieth of the larger): diverging around zero. Otherwise
-    /// sequential from zero to the extreme.
+    /// sequential from the one to the other.
     pub fn of(low: f64, high: f64) -> Self {
-        let (low, high) = (low.min(0.0), high.max(0.0));
         let largest = high.max(-low);
-        if largest == 0.0 || !largest.is_finite() {
-            return Self { low: 0.0, high: 1.0, map: ColourMap::Sequential, reversed: false };
+        if !(high > low && largest.is_finite()) {
+            let low = if low.is_finite() { low } else { 0.0 };
+            return Self { low, high: low + 1.0, map: ColourMap::Sequential, reversed: false };
         }
         if high.min(-low) >= 0.05 * largest {
             return Self { low: -largest, high: largest, map: ColourMap::Diverging, reversed: false };

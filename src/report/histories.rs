@@ -15,13 +15,14 @@ pub(super) fn gauges(view: &View) -> Result<Option<LinePanel>> {
     let length = view.length_unit();
     let gauges: Vec<_> = view.file.gauges()?.into_iter().filter(|gauge| !gauge.trace.time.is_empty()).collect();
     let samples: Vec<usize> = gauges.iter().map(|gauge| nearest(&view.x, gauge.x)).collect();
-    let traces: Vec<&Trace> = gauges.iter().map(|gauge| &gauge.trace).collect();
+    let traces: Vec<Own> = gauges.iter().map(|gauge| own(&gauge.trace, view.field)).collect();
     let names: Vec<String> = gauges.iter().map(|g| format!("{}, x = {}", g.name, length.brief(g.x))).collect();
     let series = at_places(view, &names, &traces, &samples)?;
     Ok(histories(
         view,
         &format!("{} at the gauges", field_name(view.field)),
         view.field_unit().label(field_name(view.field)),
+        View::zero(view.field),
         series,
     ))
 }
@@ -29,9 +30,14 @@ pub(super) fn gauges(view: &View) -> Result<Option<LinePanel>> {
 /// The shown field at both ends; a free end has no stress to show.
 pub(super) fn ends(view: &View) -> Result<Option<LinePanel>> {
     let traces = [view.file.end(Side::Left)?, view.file.end(Side::Right)?];
+    let torques = [view.file.end_torque(Side::Left)?, view.file.end_torque(Side::Right)?];
     let names = ["left end", "right end"].map(String::from);
     let last = view.x.len().saturating_sub(1);
-    let mut series = at_places(view, &names, &traces.each_ref(), &[0, last])?;
+    let of_end = |k: usize| match view.field {
+        Field::Torque => (&traces[k].time[..], &torques[k][..]),
+        field => own(&traces[k], field),
+    };
+    let mut series = at_places(view, &names, &[of_end(0), of_end(1)], &[0, last])?;
     if view.field == Field::Stress {
         series.retain(|s| s.points.iter().any(|p| p.1 != 0.0));
     }
@@ -40,21 +46,29 @@ pub(super) fn ends(view: &View) -> Result<Option<LinePanel>> {
         _ => "ends".into(),
     };
     let name = field_name(view.field);
-    Ok(histories(view, &format!("{name} at the {place}"), view.field_unit().label(name), series))
+    let heading = format!("{name} at the {place}");
+    Ok(histories(view, &heading, view.field_unit().label(name), View::zero(view.field), series))
 }
 
-/// A history for each place: the trace's own, or else the field at the nearest sample.
-fn at_places(view: &View, names: &[String], traces: &[&Trace], samples: &[usize]) -> Result<Vec<Series>> {
+/// Times and values that were recorded at a place itself; no values of other fields.
+type Own<'a> = (&'a [f64], &'a [f64]);
+
+fn own(trace: &Trace, field: Field) -> Own<'_> {
+    let values = match field {
+        Field::Stress => &trace.stress[..],
+        Field::Strain => &trace.strain,
+        Field::Velocity => &trace.velocity,
+        Field::Temperature => &trace.temperature,
+        _ => &[],
+    };
+    (&trace.time, values)
+}
+
+/// A history for each place: its own, or else the field at the nearest sample.
+fn at_places(view: &View, names: &[String], histories: &[Own], samples: &[usize]) -> Result<Vec<Series>> {
     let mut from_frames = None;
     let mut series = Vec::new();
-    for (i, (name, trace)) in names.iter().zip(traces).enumerate() {
-        let own = match view.field {
-            Field::Stress => &trace.stress,
-            Field::Strain => &trace.strain,
-            Field::Velocity => &trace.velocity,
-            Field::Temperature => &trace.temperature,
-            _ => &Vec::new(),
-        };
+    for (i, (name, &(times, own))) in names.iter().zip(histories).enumerate() {
         let stroke = Stroke::new(colour(i), 1.6);
         series.push(if own.is_empty() {
             if from_frames.is_none() {
@@ -63,7 +77,7 @@ fn at_places(view: &View, names: &[String], traces: &[&Trace], samples: &[usize]
             let columns = from_frames.as_deref().unwrap_or_default();
             history(view, name, &view.time, &columns[i], view.field_unit(), stroke)
         } else {
-            history(view, name, &trace.time, own, view.field_unit(), stroke)
+            history(view, name, times, own, view.field_unit(), stroke)
         });
     }
     Ok(series)
@@ -101,7 +115,7 @@ pub(super) fn ledger(view: &View) -> Result<Option<LinePanel>> {
         series.push(line("foundation", Stroke::new(colour(4), 1.6).dashed("2 3"), |row| row.energies.foundation));
     }
     series.push(supplied(view, &rows, &times, unit));
-    Ok(histories(view, "energy", unit.label("energy"), series))
+    Ok(histories(view, "energy", unit.label("energy"), Some(0.0), series))
 }
 
 /// What there was at the start and what came in since: the sum has to lie on it.
@@ -109,7 +123,7 @@ fn supplied(view: &View, rows: &[LedgerRow], times: &[f64], unit: Unit) -> Serie
     let work = |row: &LedgerRow| row.work_left + row.work_right;
     let start = rows.first().map_or(0.0, |row| row.energies.total() - work(row));
     let values: Vec<f64> = rows.iter().map(|row| start + work(row)).collect();
-    history(view, "start + work of the ends", times, &values, unit, Stroke::new(colour(5), 2.2).dashed("6 5"))
+    history(view, "initial energy + work of the ends", times, &values, unit, Stroke::new(colour(5), 2.2).dashed("6 5"))
 }
 
 fn history(view: &View, name: &str, times: &[f64], values: &[f64], unit: Unit, stroke: Stroke) -> Series {
@@ -118,8 +132,14 @@ fn history(view: &View, name: &str, times: &[f64], values: &[f64], unit: Unit, s
     Series::line(name, points, stroke)
 }
 
-/// A panel of histories; none where there is nothing in them.
-fn histories(view: &View, heading: &str, label: String, mut series: Vec<Series>) -> Option<LinePanel> {
+/// A panel of histories, with zero or another value in it; none where there is nothing in them.
+fn histories(
+    view: &View,
+    heading: &str,
+    label: String,
+    zero: Option<f64>,
+    mut series: Vec<Series>,
+) -> Option<LinePanel> {
     series.retain(|s| !s.points.is_empty());
     if series.is_empty() {
         return None;
@@ -127,7 +147,7 @@ fn histories(view: &View, heading: &str, label: String, mut series: Vec<Series>)
     let unit = view.time_unit();
     let last = series.iter().filter_map(|s| s.points.last()).fold(view.end_time * unit.factor, |a, p| a.max(p.0));
     let values: Vec<f64> = series.iter().flat_map(|s| view.limits(&s.points)).collect();
-    let y = Axis::around(label, values.into_iter().chain([0.0]));
+    let y = Axis::around(label, values.into_iter().chain(zero));
     let mut panel = LinePanel { heading: heading.into(), x: Axis::new(unit.label("time"), 0.0, last), y, series };
     panel.mark("rupture", &view.ruptures.iter().map(|r| r.time * unit.factor).collect::<Vec<_>>());
     Some(panel)

@@ -94,7 +94,7 @@ fn shapes(impact: &StoredImpact, units: Units) -> Option<LinePanel> {
     let values: Vec<f64> = series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain([0.0]).collect();
     Some(LinePanel {
         heading: "deflected shapes".into(),
-        x: Axis::new(place.label("place x"), 0.0, length * place.factor),
+        x: Axis::new(place.label("position x"), 0.0, length * place.factor),
         y: Axis::around(unit.label("deflection"), values.into_iter()),
         series,
     })

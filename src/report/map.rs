@@ -55,7 +55,7 @@ fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range, Extremes)> {
     let frames: Vec<usize> =
         (0..rows).map(|i| nearest(&view.time, (1.0 - (i as f64 + 0.5) / rows as f64) * view.end_time)).collect();
     let lines = read_lines(view, &frames, &samples)?;
-    let extremes = Extremes::of(lines.concat());
+    let extremes = Extremes::of(lines.concat(), View::zero(view.field));
     let range = Range::of(extremes.shown[0], extremes.shown[1]);
     let mut pixels = Pixmap::new(columns as u32, rows as u32)
         .ok_or_else(|| Error::file(view.file.path(), "the picture has no size"))?;
@@ -94,7 +94,8 @@ struct Extremes {
 }
 
 impl Extremes {
-    fn of(mut values: Vec<f64>) -> Self {
+    /// Of values and, if given, a further one.
+    fn of(mut values: Vec<f64>, other: Option<f64>) -> Self {
         /// Pixels for one that may be left out at either end.
         const FEW: usize = 1000;
         values.retain(|v| v.is_finite());
@@ -103,8 +104,10 @@ impl Extremes {
         }
         let last = values.len() - 1;
         let mut value = |place: usize| *values.select_nth_unstable_by(place, f64::total_cmp).1;
-        let (low, high) = (value(0).min(0.0), value(last).max(0.0));
-        let (inner_low, inner_high) = (value(last / FEW).min(0.0), value(last - last / FEW).max(0.0));
+        // The least and the greatest are numbers of a kind for which NaN gives way.
+        let other = other.unwrap_or(f64::NAN);
+        let (low, high) = (value(0).min(other), value(last).max(other));
+        let (inner_low, inner_high) = (value(last / FEW).min(other), value(last - last / FEW).max(other));
         let keep = |outer: f64, inner: f64| if (outer - inner).abs() > 0.5 * (high - low) { inner } else { outer };
         Self { all: [low, high], shown: [keep(low, inner_low), keep(high, inner_high)] }
     }
@@ -119,7 +122,10 @@ fn draw_lines(drawing: &mut Drawing, frame: &Frame, view: &View) -> Result<Vec<S
     }
     let drawn = draw_fronts(drawing, frame, view, &view.file.fronts()?);
     let stroke = Stroke::new("black", 1.2).dashed("6 3");
-    Ok(drawn.then(|| Series::line("front speeds, theory", Vec::new(), stroke)).into_iter().collect())
+    Ok(drawn
+        .then(|| Series::line(format!("front speeds, {}", view.theory()), Vec::new(), stroke))
+        .into_iter()
+        .collect())
 }
 
 /// Most straight pieces that are drawn: more would hide the map.
@@ -258,14 +264,14 @@ mod tests {
     #[test]
     fn a_spike_of_a_few_pixels_does_not_take_the_colours_and_is_told() {
         let mut values: Vec<f64> = (0..100_000).map(|i| f64::from(i % 101)).collect();
-        let plain = Extremes::of(values.clone());
+        let plain = Extremes::of(values.clone(), Some(0.0));
         assert_eq!((plain.all, plain.shown), ([0.0, 100.0], [0.0, 100.0]));
         values[..20].fill(-3000.0);
         values[20] = f64::NAN;
-        let spiked = Extremes::of(values.clone());
+        let spiked = Extremes::of(values.clone(), Some(0.0));
         assert_eq!((spiked.all, spiked.shown), ([-3000.0, 100.0], [0.0, 100.0]));
         // A pulse that covers a part of the picture is no spike.
         values[..200].fill(-3000.0);
-        assert_eq!(Extremes::of(values).shown, [-3000.0, 100.0]);
+        assert_eq!(Extremes::of(values, Some(0.0)).shown, [-3000.0, 100.0]);
     }
 }

@@ -144,7 +144,7 @@ fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
     }
     let (length, time) = (units.length(last), Units::time(end));
     let gauges = file.gauges()?;
-    let arrivals = gauges.iter().map(|gauge| time.label(&format!("reached {}", gauge.name)));
+    let arrivals = gauges.iter().map(|gauge| time.label(&format!("arrival at {}", gauge.name)));
     let head: Vec<String> = front_head(units, length).into_iter().chain(arrivals).collect();
     let row = |front: &FrontRow| {
         let arrivals = front.arrivals.iter().map(|t| time.number(*t));

@@ -38,7 +38,7 @@ pub(super) fn profiles(view: &View) -> Result<Option<LinePanel>> {
     }
     let name = field_name(view.field);
     let levels = series.iter().take(series.len() - indices.len()).flat_map(|s| s.points.iter().map(|p| p.1));
-    let y = Axis::around(unit.label(name), limits.into_iter().chain(levels).chain([0.0]));
+    let y = Axis::around(unit.label(name), limits.into_iter().chain(levels).chain(View::zero(view.field)));
     let x = Axis::new(length.label("position x"), 0.0, view.length * length.factor);
     let mut panel = LinePanel { heading: format!("{name} along the bar"), x, y, series };
     panel.mark("rupture", &view.ruptures.iter().map(|r| r.x * length.factor).collect::<Vec<_>>());
@@ -59,7 +59,8 @@ fn levels(view: &View, fronts: &[FrontRow]) -> Vec<Series> {
     }
     let (factor, end) = (view.field_unit().factor, view.length * view.length_unit().factor);
     let points = values.iter().flat_map(|v| [(0.0, v * factor), (end, v * factor), (end, f64::NAN)]).collect();
-    vec![Series::line("theory, behind each front", points, Stroke::new(THEORY, 1.1).dashed("2 3"))]
+    let name = format!("{}, behind each front at its start", view.theory());
+    vec![Series::line(name, points, Stroke::new(THEORY, 1.1).dashed("2 3"))]
 }
 
 /// Frames to draw: evenly spaced in time, unless a period of the bar would make them look alike.

@@ -65,7 +65,7 @@ impl Profiles {
             time: frames.iter().map(|&i| view.time[i]).collect(),
             x,
             rows,
-            limits,
+            limits: limits.into_iter().chain(View::zero(view.field)).collect(),
             stored: [view.time.len(), view.x.len()],
         })
     }
@@ -81,12 +81,12 @@ impl Profiles {
             frames.iter().map(|&frame| places.iter().map(|i| value(frame, i)).collect()).collect();
         Some(Self {
             heading: "deflection along the beam at one instant".into(),
-            labels: [place.label("place x"), unit.label("deflection")],
+            labels: [place.label("position x"), unit.label("deflection")],
             length: length * place.factor,
             time_unit: Units::time(end),
             time: frames.iter().map(|&i| shapes.time[i]).collect(),
             x: places.iter().map(|&i| shapes.x[i] * place.factor).collect(),
-            limits: rows.concat(),
+            limits: [rows.concat(), vec![0.0]].concat(),
             rows,
             stored: [shapes.time.len(), shapes.x.len()],
         })
@@ -118,7 +118,7 @@ impl Profiles {
         LinePanel {
             heading: self.heading.clone(),
             x: Axis::new(x, 0.0, self.length),
-            y: Axis::around(y, self.limits.iter().copied().chain([0.0])),
+            y: Axis::around(y, self.limits.iter().copied()),
             series: vec![Series::line("", points, Stroke::new(colour(0), 1.8))],
         }
     }
@@ -128,7 +128,7 @@ impl Profiles {
         if (frames, places) == (self.rows.len(), self.x.len()) {
             return String::new();
         }
-        format!(" \u{b7} {} of {frames} frames, {} of {places} places", self.rows.len(), self.x.len())
+        format!(" \u{b7} {} of {frames} frames, {} of {places} points", self.rows.len(), self.x.len())
     }
 
     /// Numbers as base64 of little-endian binary32, half as long as text of the same digits.

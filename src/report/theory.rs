@@ -22,7 +22,8 @@ pub(super) fn speeds(view: &View) -> Result<Option<LinePanel>> {
         [(f.strain_ahead, speed), (f.strain_behind, speed), (f.strain_behind, f64::NAN)]
     };
     let middle = |f: &FrontRow| (0.5 * (f.strain_ahead + f.strain_behind), f.speed_measured.abs() * unit.factor);
-    let mut series = vec![Series::line("theory", fronts.iter().flat_map(step).collect(), Stroke::new(colour(0), 2.2))];
+    let mut series =
+        vec![Series::line(view.theory(), fronts.iter().flat_map(step).collect(), Stroke::new(colour(0), 2.2))];
     let measured: Vec<(f64, f64)> = fronts.iter().map(middle).filter(|p| p.1.is_finite()).collect();
     if !measured.is_empty() {
         series.push(Series::marks("measured in the fields", measured, Stroke::new(colour(1), 1.6)));
@@ -64,7 +65,8 @@ pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
         return Ok(None);
     }
     let theory = fan_of_theory(field, &fan, last, unit.factor, view.units.field(field).factor);
-    let mut series: Vec<Series> = theory.into_iter().collect();
+    let mut series: Vec<Series> =
+        theory.map(|points| Series::line(view.theory(), points, broad())).into_iter().collect();
     for (number, &frame) in frames.iter().enumerate() {
         series.push(over_speed(view, field, side, frame, last)?.styled(profiles::stroke(number, frames.len())));
     }
@@ -75,7 +77,7 @@ pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
         (format!("{name} over (L \u{2212} x)/t"), "(L \u{2212} x)/t")
     };
     let limits: Vec<f64> = series.iter().flat_map(|s| view.limits(&s.points)).collect();
-    let y = Axis::around(view.units.field(field).label(name), limits.into_iter().chain([0.0]));
+    let y = Axis::around(view.units.field(field).label(name), limits.into_iter().chain(View::zero(field)));
     Ok(Some(LinePanel { heading, x: Axis::new(unit.label(label), 0.0, last), y, series }))
 }
 
@@ -90,7 +92,7 @@ fn over_speed(view: &View, field: Field, side: &str, frame: usize, last: f64) ->
 }
 
 /// Constant between the fronts, slowest first.
-fn fan_of_theory(field: Field, fan: &[&FrontRow], last: f64, speed: f64, factor: f64) -> Option<Series> {
+fn fan_of_theory(field: Field, fan: &[&FrontRow], last: f64, speed: f64, factor: f64) -> Option<Vec<(f64, f64)>> {
     let [behind, ahead]: [fn(&FrontRow) -> f64; 2] = match field {
         Field::Strain => [|f| f.strain_behind, |f| f.strain_ahead],
         Field::Stress => [|f| f.stress_behind, |f| f.stress_ahead],
@@ -100,15 +102,16 @@ fn fan_of_theory(field: Field, fan: &[&FrontRow], last: f64, speed: f64, factor:
     let mut points = vec![(0.0, behind(first) * factor)];
     points.extend(fan.iter().flat_map(|f| [behind(f), ahead(f)].map(|v| (f.speed.abs() * speed, v * factor))));
     points.push((last, ahead(fastest) * factor));
-    Some(Series::line("theory", points, broad()))
+    Some(points)
 }
 
 /// Stress over strain at the gauges (or at four places along the bar), with the curves of the materials. What stays in one state has no path.
 pub(super) fn path(view: &View) -> Result<Option<LinePanel>> {
     let unit = view.units.stress();
     let paths = gauge_paths(view)?;
-    let (mut paths, heading) = if paths.is_empty() {
-        (sampled_paths(view)?, "path in the stress-strain plane, frame by frame")
+    let sampled = paths.is_empty();
+    let (mut paths, heading) = if sampled {
+        (sampled_paths(view)?, "states in the stress-strain plane, frame by frame")
     } else {
         (paths, "path in the stress-strain plane")
     };
@@ -119,7 +122,9 @@ pub(super) fn path(view: &View) -> Result<Option<LinePanel>> {
     let mut series: Vec<Series> = Vec::new();
     let lines = paths.into_iter().enumerate().map(|(i, (name, points))| {
         let points = points.into_iter().map(|(strain, stress)| (strain, stress * unit.factor)).collect();
-        Series::line(name, points, Stroke::new(colour(i), 1.6))
+        // From one frame to the next a state may take any way.
+        let series = if sampled { Series::marks } else { Series::line };
+        series(name, points, Stroke::new(colour(i), 1.6))
     });
     series.extend(lines);
     let x = Axis::around("strain", series.iter().flat_map(|s| s.points.iter().map(|p| p.0)).chain([0.0]));
@@ -219,7 +224,7 @@ mod tests {
         let fan = [front(500.0, 0.02, 0.001), front(5000.0, 0.001, 0.0)];
         let line = fan_of_theory(Field::Strain, &[&fan[0], &fan[1]], 6000.0, 1.0, 1.0).expect("strain has a theory");
         let expected = [(0.0, 0.02), (500.0, 0.02), (500.0, 0.001), (5000.0, 0.001), (5000.0, 0.0), (6000.0, 0.0)];
-        assert_eq!(line.points, expected);
+        assert_eq!(line, expected);
         assert!(fan_of_theory(Field::Velocity, &[&fan[0]], 6000.0, 1.0, 1.0).is_none());
     }
 }

@@ -34,6 +34,17 @@ impl View<'_> {
         self.units.field(self.field)
     }
 
+    /// What the axis of a field starts from: zero, but for temperatures.
+    pub fn zero(field: Field) -> Option<f64> {
+        (field != Field::Temperature).then_some(0.0)
+    }
+
+    /// What the fans of theory are called: they follow the curve whatever the strain rate.
+    pub fn theory(&self) -> &'static str {
+        let with_rate = self.file.metadata().effects.iter().any(|effect| effect.starts_with("rate"));
+        if with_rate { "theory without rate" } else { "theory" }
+    }
+
     /// The fronts that theory knows: the edges of the first fans.
     pub fn theory_fronts(&self) -> Result<Vec<FrontRow>> {
         let mut fronts = self.file.fronts()?;

@@ -245,6 +245,17 @@ fn a_critical_velocity_is_that_of_a_bar_in_no_initial_state() {
 }
 
 #[test]
+fn sharp_waves_that_leapfrog_disperses_are_noted() {
+    let notes = |overrides: &[&str]| scene("", overrides).notes();
+    assert!(notes(&[]).is_empty());
+    let noted = notes(&["solve.cfl=0.95"]);
+    assert!(noted.len() == 1 && noted[0].contains("Courant number 0.95"), "{noted:?}");
+    assert!(notes(&["solve.cfl=0.95", "solve.scheme=muscl"]).is_empty());
+    // A load that rises in a ramp.
+    assert!(notes(&["solve.cfl=0.95", "left.value=", "left.history=[[0, 0], [1e-5, -30]]"]).is_empty());
+}
+
+#[test]
 fn the_resolved_scene_is_complete() {
     let scene = scene("[record]\ngauges = { middle = 0.5 }\n[effects]\nhardening = { mixed = 0.3 }\n", &[]);
     let json = scene.resolved_json();

@@ -144,7 +144,7 @@ fn the_slider_holds_the_frames_of_the_file() {
                 assert_eq!(values[i * x.len() + j], (stress(frame, place) * 1e-6) as f32, "{frame} {place}");
             }
         }
-        let told = page.contains(&format!("200 of {frames} frames, 500 of {places} places"));
+        let told = page.contains(&format!("200 of {frames} frames, 500 of {places} points"));
         assert_eq!(told, frames == 300);
     }
 }

@@ -410,7 +410,7 @@ fn torsion_rod() {
         *torque = number(&summary["torsion"]["torque_N_m"][0]);
         let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
         let names: Vec<String> = file.materials().expect("materials").into_iter().map(|m| m.name).collect();
-        assert_eq!(names, ["steel rod", "steel tube 0.600000"]);
+        assert_eq!(names, ["steel, rod", "steel, tube of diameter ratio 0.6"]);
         assert!(file.fields().contains(&barwave::record::Field::Torque));
     }
     // The bored part has 87 % of the torque: what comes back from the joint has hardly reached the flywheel.

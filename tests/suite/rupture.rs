@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::assemble;
-use barwave::law::rupture::Rupture;
+use barwave::law::rupture::{Rupture, Site};
 use barwave::record::{Field, View};
 use barwave::scene::{Method, Scene};
 use barwave::solver::fd::Quantity;
@@ -282,6 +282,26 @@ fn pulled_at(rate: &str, velocity: f64, cells: usize) -> Vec<Rupture> {
     let left = format!("kind = \"velocity\"\nvalue = {}", -velocity);
     let solve = format!("until = 60e-6\nmethod = \"fd\"\ncells = {cells}");
     stepped(&bar(SOFT, &left, "kind = \"absorbing\"", &effects, &solve)).ruptures().to_vec()
+}
+
+/// An end that is pulled hard enough breaks there, at the threshold and no farther inside, as by front tracking.
+#[test]
+fn a_pulled_end_breaks_at_the_threshold() {
+    let left = |velocity: f64| format!("kind = \"velocity\"\nvalue = {}", -velocity);
+    let effects = "hardening = \"isotropic\"\nrupture = \"critical-strain\"";
+    let first = |velocity: f64| {
+        let solve = "until = 60e-6\nmethod = \"fd\"\ncells = 1000";
+        let found =
+            stepped(&bar(SOFT, &left(velocity), "kind = \"absorbing\"", effects, solve)).ruptures().first().copied();
+        found.expect("above the critical velocity, 40 m/s")
+    };
+    for velocity in [41.0, 50.0, 60.0] {
+        let rupture = first(velocity);
+        // The threshold, and what a step adds: velocity times dt/dx.
+        let (threshold, step) = (0.1, velocity / 5000.0);
+        assert_eq!((rupture.site, rupture.x), (Site::Left, 0.0), "{rupture:?}");
+        assert!((threshold..threshold + step).contains(&rupture.strain), "{velocity}: {rupture:?}");
+    }
 }
 
 /// Flow that takes hardly any time breaks the bar as flow that takes none; flow that takes longer lets it hold longer, since

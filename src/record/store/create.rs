@@ -38,7 +38,7 @@ const GAUGE_TEMPERATURE: [&str; 3] = ["temperature", "K", "temperature"];
 const END_COLUMNS: [[&str; 3]; 3] = [TIME, ["stress", "Pa", "engineering stress, tension positive"], VELOCITY];
 /// What ends of a known cross-section have on top, and those of bars in torsion.
 const END_FORCE: [&str; 3] = ["force", "N", "axial force, tension positive"];
-const END_TORQUE: [&str; 3] = ["torque", "N m", "torque in the section"];
+pub(super) const END_TORQUE: [&str; 3] = ["torque", "N m", "torque in the section"];
 const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 

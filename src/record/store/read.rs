@@ -7,6 +7,7 @@ use hdf5::{File, Group};
 use ndarray::{Array2, s};
 
 use super::attributes::{get, get_text, get_texts};
+use super::create::END_TORQUE;
 use super::shared::{NotOpened, SharedFile};
 use super::tables::{numbers as column, texts};
 use super::{FORMAT_VERSION, RUNNING, Side, paths};
@@ -213,6 +214,11 @@ impl ResultFile {
     /// History of an end.
     pub fn end(&self, side: Side) -> Result<Trace> {
         self.run(|file| read_trace(&file.group(&format!("ends/{}", side.name()))?))
+    }
+
+    /// Torque at an end in torsion, N m, at the times of [`Self::end`]; empty where the file has none.
+    pub fn end_torque(&self, side: Side) -> Result<Vec<f64>> {
+        self.run(|file| column(&file.group(&format!("ends/{}", side.name()))?, END_TORQUE[0]))
     }
 
     /// The ledger.

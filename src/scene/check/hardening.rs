@@ -32,8 +32,14 @@ impl Checker<'_> {
         let two_branches = bar.segments.iter().find(|s| s.material.compression.is_some());
         if let Some(segment) = two_branches.filter(|_| kind != HardeningRule::Isotropic) {
             let name = &segment.material.name;
-            let message = format!("kinematic hardening needs one curve for both senses; `{name}` has two");
-            let help = "use hardening = \"isotropic\", or a material without a compression curve of its own";
+            let rule = match kind {
+                HardeningRule::Isotropic | HardeningRule::Kinematic => "kinematic",
+                HardeningRule::Mixed(_) => "mixed",
+                HardeningRule::ArmstrongFrederick { .. } => "Armstrong-Frederick",
+            };
+            let message = format!("{rule} hardening needs one curve for tension and compression; `{name}` has two");
+            let help = "use hardening = \"isotropic\", or a copy of the material file without its compression curve: `[compression]`, or symmetry = \
+                        \"true\", as in the material library";
             return Err(self.error(hardening.span(), key, message).allowed("\"isotropic\"").help(help).into());
         }
         if raw.overlays()

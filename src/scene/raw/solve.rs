@@ -34,7 +34,7 @@ pub struct RawSolve {
     /// Relative change of the stress above which the audit reports a neglected effect and `effects = "auto"` includes it. Default: 0.01,
     /// or the `tolerance`.
     pub audit_tolerance: Option<Of<Plain, Between<0, 1>>>,
-    /// For the method "moc": smallest stress jump that is tracked as a front of its own, relative to the largest stress possible in the scene; 0 tracks all waves.
+    /// For the method "moc": height of the steps of which smooth waves and loads consist, relative to the largest stress possible in the scene: waves that are closer together are merged. 0 tracks all waves.
     #[schemars(default)]
     pub front_tolerance: Or<Of<Plain, Below<0, 1>>, 1, 1000>,
     /// For the method "moc": largest number of front interactions.

@@ -8,6 +8,8 @@ use crate::law::rupture::{Criteria, Rupture};
 #[derive(Debug)]
 pub(super) struct Breaking {
     pub criteria: Criteria,
+    /// The first cells at the left and the right end keep too much plastic strain when that end is suddenly moved.
+    pub overshoots: [bool; 2],
     pub found: Vec<Rupture>,
     /// For each rupture: the node's number (that of the cell to its right), and its step.
     pub nodes: Vec<(usize, usize)>,
@@ -31,8 +33,8 @@ pub struct Unresolved {
 pub(super) type Broken = (Vec<Rupture>, Vec<(usize, usize)>, [bool; 2], Option<Unresolved>);
 
 impl Breaking {
-    pub fn new(criteria: Criteria) -> Self {
-        Self { criteria, found: Vec::new(), nodes: Vec::new(), ends_gone: [false; 2], unresolved: None }
+    pub fn new(criteria: Criteria, overshoots: [bool; 2]) -> Self {
+        Self { criteria, overshoots, found: Vec::new(), nodes: Vec::new(), ends_gone: [false; 2], unresolved: None }
     }
 
     pub fn state(&self) -> Broken {

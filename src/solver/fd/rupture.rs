@@ -25,9 +25,8 @@ use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
 const BEHIND: f64 = 2.0;
 const AHEAD: f64 = 4.0;
 
-/// Next to a suddenly moved end a cell keeps too much plastic strain, by 12 % in the first of a bilinear bar and 0.5 % in
-/// the third. So many cells at an end that pulls have to go so far beyond a threshold of strain or energy; where strain
-/// gathers without bound they soon do.
+/// Next to a suddenly moved end that does not start with its fan a cell keeps too much plastic strain, by 12 % in the first of a bilinear bar and
+/// 0.5 % in the third. So many cells at an end that pulls have to go so far beyond a threshold of strain or energy.
 const NEAR_END: usize = 2;
 const OVERSHOOT: f64 = 1.2;
 
@@ -53,13 +52,16 @@ struct Due {
 }
 
 impl Leapfrog {
-    /// The same bar, which breaks where it meets one of these criteria. For a bar at t = 0.
+    /// The same bar, which breaks where it meets one of these criteria. For a bar at t = 0, at the left and right end of which strain gathers without
+    /// bound or not.
     #[must_use]
-    pub fn that_breaks(mut self, criteria: Criteria) -> Self {
+    pub fn that_breaks(mut self, criteria: Criteria, above_critical: [bool; 2]) -> Self {
         for block in &mut self.blocks {
             block.keeps_work = true;
         }
-        self.rupture = Some(Box::new(Breaking::new(criteria)));
+        let starts_exactly = |side| self.fans.iter().any(|fan| !fan.at_joint && fan.side == side);
+        let overshoots = [0, 1].map(|side| !above_critical[side] && !starts_exactly(side));
+        self.rupture = Some(Box::new(Breaking::new(criteria, overshoots)));
         self
     }
 
@@ -206,7 +208,8 @@ impl Leapfrog {
             || block.stage == Stage::Plastic && law.flows(&block.state, due.cell);
         let criterion = &breaking.criteria.segments[block.segment];
         let fresh = criterion.cause() == Cause::Spall || block.accumulated(law, due.cell) == 0.0;
-        if !(if fresh { self.is_sustained(breaking, due) } else { flows && due.share >= self.overshoot(due) }) {
+        if !(if fresh { self.is_sustained(breaking, due) } else { flows && due.share >= self.overshoot(breaking, due) })
+        {
             return false;
         }
         let node = block.cells.start + due.cell;
@@ -224,12 +227,14 @@ impl Leapfrog {
 
     /// What the scheme may have put on top of the strain or work of a cell, as a factor: nothing where the steps resolve the
     /// rate of flow.
-    fn overshoot(&self, due: &Due) -> f64 {
+    fn overshoot(&self, breaking: &Breaking, due: &Due) -> f64 {
         if self.blocks[due.block].flow[due.cell] == 0.0 {
             return 1.0;
         }
         let cell = self.blocks[due.block].cells.start + due.cell;
-        let near = cell < NEAR_END && self.left.pulls() || cell + NEAR_END >= self.grid.cells() && self.right.pulls();
+        let [left, right] = breaking.overshoots;
+        let near = left && cell < NEAR_END && self.left.pulls()
+            || right && cell + NEAR_END >= self.grid.cells() && self.right.pulls();
         if near { OVERSHOOT } else { 1.0 }
     }
 

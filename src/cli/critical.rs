@@ -207,7 +207,13 @@ fn mean_of(materials: &[Material]) -> Result<Material> {
             InputError::new("repeats need at least two materials").key("--repeats").allowed("two materials or more");
         return Err(error.help("name the files of all tests").into());
     }
-    let test = |m: &Material| TestCurve { record: m.name.clone(), modulus: m.modulus, curve: m.tension.clone() };
+    one_density(materials)?;
+    let test = |m: &Material| TestCurve {
+        record: m.name.clone(),
+        modulus: m.modulus,
+        density: Some(m.density),
+        curve: m.tension.clone(),
+    };
     let tests: Vec<TestCurve> = materials.iter().map(test).collect();
     let (modulus, rows) = mean_curve(&tests.iter().collect::<Vec<_>>());
     let ruptures = materials.iter().all(|m| m.tension.ultimate().is_some());
@@ -218,6 +224,22 @@ fn mean_of(materials: &[Material]) -> Result<Material> {
     mean.modulus = modulus.max(mean.modulus);
     mean.scatter = Some(Box::new(Scatter { deviation: Vec::new(), tests }));
     Ok(mean)
+}
+
+/// Largest difference of the densities of one material, measured twice.
+const ONE_DENSITY: f64 = 0.01;
+
+/// Repeats are tests of one material, which has one density.
+fn one_density(materials: &[Material]) -> Result<()> {
+    let first = &materials[0];
+    let differs = |m: &&Material| (m.density - first.density).abs() > ONE_DENSITY * first.density;
+    let Some(other) = materials.iter().find(differs) else { return Ok(()) };
+    let message = format!(
+        "`{}` has a density of {} kg/m^3 and `{}` one of {} kg/m^3: they are not repeats of one test",
+        first.name, first.density, other.name, other.density
+    );
+    let help = "leave out --repeats to see each material with its own density, or give the files the same density";
+    Err(InputError::new(message).key("--repeats").allowed("materials of one density, within 1 %").help(help).into())
 }
 
 fn progress_bar(args: &Args, materials: usize) -> ProgressBar {

@@ -28,6 +28,9 @@ pub struct TestCurve {
     /// Elastic modulus, Pa.
     #[serde(rename = "modulus_Pa")]
     pub modulus: f64,
+    /// kg/m^3; none where it is that of the material.
+    #[serde(skip)]
+    pub density: Option<f64>,
     /// The curve.
     pub curve: Curve,
 }
@@ -84,7 +87,7 @@ fn test(raw: &RawTest, place: usize, beyond: Beyond, unit: f64, keys: Keys<'_>) 
         return Err(wrong(message).into());
     }
     let record = raw.record.clone().unwrap_or_else(|| format!("test {}", place + 1));
-    Ok(TestCurve { record, modulus: modulus.unwrap_or_else(|| curve.steepest()), curve })
+    Ok(TestCurve { record, modulus: modulus.unwrap_or_else(|| curve.steepest()), density: None, curve })
 }
 
 fn table(rows: &[TableRow], name: &str, unit: f64, keys: Keys<'_>) -> Result<Vec<(f64, f64)>> {

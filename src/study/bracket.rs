@@ -21,6 +21,10 @@ const WIDTH: f64 = 1e-3;
 /// Cells of the finer grid; the coarser one has half as many.
 const CELLS: usize = 400;
 
+/// Most cells of a grid that is refined until it has converged: half as many change the critical velocity by no more than this part.
+const MOST_CELLS: usize = 3200;
+const CONVERGED: f64 = 0.01;
+
 /// A front behind which the velocity is less than that of the end by this part has left the end behind.
 const SLIP: f64 = 1e-9;
 
@@ -38,6 +42,12 @@ impl Bracket {
     pub fn middle(&self) -> f64 {
         0.5 * (self.holds_m_s + self.breaks_m_s)
     }
+
+    /// Whether a velocity lies in it, give or take its width and as much more.
+    fn holds(&self, velocity: f64, more: f64) -> bool {
+        let slack = self.breaks_m_s - self.holds_m_s + more;
+        (self.holds_m_s - slack..=self.breaks_m_s + slack).contains(&velocity)
+    }
 }
 
 /// A bracket on a grid, and how far the grid can be trusted.
@@ -52,6 +62,12 @@ pub struct OnGrid {
     pub resolution_m_s: f64,
 }
 
+impl OnGrid {
+    fn has_converged(&self) -> bool {
+        self.resolution_m_s <= CONVERGED * self.bracket.middle()
+    }
+}
+
 /// The critical velocity of a curve by simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Confirmation {
@@ -59,7 +75,9 @@ pub struct Confirmation {
     pub fronts: Bracket,
     /// By the leapfrog scheme. The bar breaks if the strain of its first four cells exceeds that of the largest stress.
     pub grid: OnGrid,
-    /// The integral lies in the bracket of the fronts, give or take its width.
+    /// Half as many cells give the same bracket, but for 1 %.
+    pub converged: bool,
+    /// The grid has converged, and the integral lies in both brackets, give or take their widths and the change with half as many cells.
     pub confirmed: bool,
 }
 
@@ -73,10 +91,13 @@ pub fn confirm(material: &Material, sense: Sense) -> Option<Confirmation> {
     let fronts = bisect([0.0, most], |v| follows(&material, sense, v));
     let effects = Effects { hardening: Some(HardeningRule::Isotropic), ..Effects::default() };
     let grid = |cells| grid_bracket(&material, &effects, sense, &Grid { cells, length: LENGTH, transits: 1.0 }, most);
-    let (fine, coarse) = (grid(CELLS), grid(CELLS / 2));
-    let width = fronts.breaks_m_s - fronts.holds_m_s;
-    let confirmed = (fronts.holds_m_s - width..=fronts.breaks_m_s + width).contains(&velocity);
-    Some(Confirmation { fronts, grid: on_grid(fine, coarse, CELLS), confirmed })
+    let mut on = on_grid(grid(CELLS), grid(CELLS / 2), CELLS);
+    while !on.has_converged() && on.cells < MOST_CELLS {
+        on = on_grid(grid(2 * on.cells), on.bracket, 2 * on.cells);
+    }
+    let converged = on.has_converged();
+    let confirmed = converged && fronts.holds(velocity, 0.0) && on.bracket.holds(velocity, on.resolution_m_s);
+    Some(Confirmation { fronts, grid: on, converged, confirmed })
 }
 
 /// Effects beyond the static curve.

@@ -71,7 +71,8 @@ pub fn uncertainty(material: &Material, sense: Sense, how: Bootstrap) -> Option<
 /// Tests are drawn with replacement; the statistic is the critical velocity of their mean curve. The percentiles are widened for few tests
 /// so that for normal scatter they are those of Student's t (Hesterberg, The American Statistician 69, 2015, 371-386).
 fn of_tests(tests: &[TestCurve], density: f64, how: Bootstrap) -> Option<Uncertainty> {
-    let velocity = |test: &TestCurve| similarity::critical(&test.curve, density).map(|c| c.velocity);
+    let own = |test: &TestCurve| test.density.unwrap_or(density);
+    let velocity = |test: &TestCurve| similarity::critical(&test.curve, own(test)).map(|c| c.velocity);
     let each: Vec<Option<f64>> = tests.iter().map(velocity).collect();
     let usable: Vec<&TestCurve> = tests.iter().zip(&each).filter(|(_, v)| v.is_some()).map(|(test, _)| test).collect();
     let values: Vec<f64> = each.iter().flatten().copied().collect();

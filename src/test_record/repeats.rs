@@ -24,7 +24,7 @@ pub fn combine(tests: &[(String, Reduction)], tolerance: f64) -> Result<Repeats,
     let curve = |(record, reduction): &(String, Reduction)| {
         let beyond = if reduction.fracture.is_some() { Beyond::Rupture } else { Beyond::Error };
         let curve = Curve::new(&reduction.knots, beyond).map_err(|e| InputError::new(format!("{record}: {e}")))?;
-        Ok(TestCurve { record: record.clone(), modulus: reduction.modulus, curve })
+        Ok(TestCurve { record: record.clone(), modulus: reduction.modulus, density: None, curve })
     };
     let tests = tests.iter().map(curve).collect::<Result<Vec<_>, InputError>>()?;
     let (modulus, rows) = mean_curve(&tests.iter().collect::<Vec<_>>());

@@ -156,3 +156,27 @@ fn a_wrong_csv_is_refused_before_anything_is_written() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("row 2"));
     assert!(!folder.path().join("a.toml").exists());
 }
+
+#[test]
+fn repeats_have_one_density() {
+    let light = material(T_A, "rupture").replace("8000", "2700");
+    let folder = folder_with(&[("a.toml", &material(T_A, "rupture")), ("b.toml", &light)]);
+    let output = barwave(folder.path(), &["critical", "--repeats", "a.toml", "b.toml"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("--repeats") && message.contains("2700") && message.contains("one density"), "{message}");
+}
+
+#[test]
+fn a_critical_velocity_is_confirmed_on_a_grid_that_has_converged() {
+    let falls = "name = \"falls\"\ndensity = 7850\nbeyond = \"rupture\"\n[curve]\nunit = \"MPa\"\n\
+                 table = [[0.001, 200], [0.01, 150], [0.2, 350], [0.3, 320], [0.35, 380]]\n";
+    let folder = folder_with(&[("falls.toml", falls)]);
+    let rows = json(&barwave(folder.path(), &["critical", "falls.toml", "--simulate", "--json"]));
+    let simulated = &rows[0]["simulated"];
+    let number = |value: &Value| value.as_f64().expect("a number");
+    // 400 cells give another velocity than 200 do.
+    assert!(number(&simulated["grid"]["cells"]) > 400.0, "{simulated}");
+    let change = number(&simulated["grid"]["resolution_m_s"]) / number(&rows[0]["critical_velocity_m_s"]);
+    assert_eq!(simulated["confirmed"] == true, change < 0.01, "{simulated}");
+}

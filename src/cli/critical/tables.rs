@@ -90,9 +90,13 @@ fn simulation(name: &str, simulated: Option<&Confirmation>) -> String {
         return format!("{name}: not simulated, no critical velocity within the data\n");
     };
     let (fronts, grid) = (s.fronts, s.grid);
-    let verdict = if s.confirmed { "confirmed" } else { "NOT confirmed" };
+    let verdict = match (s.confirmed, s.converged) {
+        (true, _) => "confirmed by simulation",
+        (false, true) => "NOT confirmed by simulation",
+        (false, false) => "NOT confirmed by simulation: the grid has not converged",
+    };
     format!(
-        "{name}: {verdict} by simulation\n  front tracking  no fracture at {:.3} m/s, fracture at {:.3} m/s\n  leapfrog        \
+        "{name}: {verdict}\n  front tracking  no fracture at {:.3} m/s, fracture at {:.3} m/s\n  leapfrog        \
          no fracture at {:.2} m/s, fracture at {:.2} m/s\n                  ({} cells; changes by {:.2} m/s with half as many)\n",
         fronts.holds_m_s,
         fronts.breaks_m_s,

@@ -55,6 +55,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             &Outputs { file: args.output.as_deref(), json: args.json, field: args.field },
         );
     }
+    if let Some(field) = args.field {
+        return Err(InputError::new(format!("materials have no field `{}`", field.name()))
+            .key("--field")
+            .allowed("with result files only")
+            .help("leave it out, or compare result files: barwave compare a.h5 b.h5 --field stress")
+            .into());
+    }
     let every = ["*".to_owned()];
     let materials = critical::load(if args.all { &every } else { &args.names })?;
     let compared = compare(&materials, args.sense.into());

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use super::output;
+use super::result_file::is_result;
 use crate::destination;
-use crate::error::Result;
+use crate::error::{InputError, Result};
 use crate::study::sweep::merge;
 
 /// Options of `barwave merge`.
@@ -25,6 +26,13 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
+    if !is_result(&args.output) {
+        return Err(InputError::new(format!("`{}` is no name of an HDF5 file", args.output.display()))
+            .key("-o")
+            .allowed("a file name ending in .h5 or .hdf5")
+            .help("the table is written beside it, as .csv: such as -o speeds.h5")
+            .into());
+    }
     let output = destination::resolve(&args.output)?;
     let rows = merge(&args.folders, &output, args.partial)?;
     let table = output.with_extension("csv");

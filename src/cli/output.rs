@@ -151,7 +151,9 @@ pub(crate) fn is_csv(path: &Path) -> bool {
     destination::is_stdout(path) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
 }
 
-/// A number with the given digits after the point, or a dash.
+/// A number with the given digits after the point, or a dash. What rounds to zero has no sign.
 pub(crate) fn fixed(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(|| "-".into(), |v| format!("{v:.digits$}"))
+    let text = value.map_or_else(|| "-".into(), |v| format!("{v:.digits$}"));
+    let zero = text.strip_prefix('-').filter(|rest| !rest.is_empty() && rest.chars().all(|c| c == '0' || c == '.'));
+    zero.map_or(text.clone(), str::to_owned)
 }

@@ -121,7 +121,9 @@ impl Grid {
     fn bar(&self) -> [f64; 2] {
         let (first, last) = (self.x[0], self.x[self.x.len() - 1]);
         let half = 0.5 * (last - first) / (self.x.len().max(2) - 1) as f64;
-        [first - half, last + half]
+        // A start at zero but for the rounding of the centres is one at zero.
+        let start = first - half;
+        [if start.abs() < 1e-9 * (last - first) { 0.0 } else { start }, last + half]
     }
 
     fn span(&self) -> [f64; 2] {
@@ -136,8 +138,9 @@ fn common(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 /// Differences of result files from the first one.
 ///
 /// # Errors
-/// A file without frames, or bars or times without a common part.
+/// A file without a bar or frames, or bars or times without a common part.
 pub fn compare_results(files: &[ResultFile]) -> Result<Vec<Difference>> {
+    files.iter().try_for_each(ResultFile::needs_bar)?;
     let Some((first, others)) = files.split_first() else { return Ok(Vec::new()) };
     others.iter().map(|other| difference(first, other)).collect()
 }

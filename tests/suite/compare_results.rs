@@ -122,3 +122,13 @@ fn materials_are_found_by_pattern() {
         assert!(svg.contains(&format!(">{name}</text>")), "{name}");
     }
 }
+
+#[test]
+fn bars_start_at_zero_and_materials_have_no_fields() {
+    // 100 samples of 23.47 mm: the first centre less half a spacing is 7e-18 m.
+    let folder = results(&[("short.h5", &["bar.length=0.02347", "record.gauges.middle=0.01"])]);
+    let text = done(folder.path(), &["compare", "short.h5", "short.h5"]);
+    assert!(text.contains("samples from 0 m to 23.47 mm"), "{text}");
+    let message = refused(folder.path(), &["compare", "copper-annealed", "mild-steel", "--field", "strain"]);
+    assert!(message.contains("--field") && message.contains("result files"), "{message}");
+}

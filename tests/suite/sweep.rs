@@ -158,6 +158,23 @@ fn a_case_that_fails_is_a_row_with_its_reason() {
     std::fs::write(folder.path().join("sweep.toml"), wrong).expect("a file");
     let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "typo"], 2);
     assert!(message.contains("every case is refused") && message.contains("valve"), "{message}");
+    // Nothing is left; what was there before stays.
+    assert!(!folder.path().join("typo").exists());
+    std::fs::create_dir(folder.path().join("typo")).expect("a folder");
+    std::fs::write(folder.path().join("typo/notes.txt"), "mine").expect("a file");
+    failed(folder.path(), &["sweep", "sweep.toml", "-o", "typo"], 2);
+    assert_eq!(std::fs::read_dir(folder.path().join("typo")).expect("a folder").count(), 1);
+    // Shards keep their rows for the others, and the corrected sweep takes their folder.
+    failed(folder.path(), &["sweep", "sweep.toml", "-o", "typo", "--shard", "1/2"], 2);
+    assert!(folder.path().join("typo/shard-1-of-2/rows.jsonl").exists());
+    std::fs::write(folder.path().join("sweep.toml"), wrong.replace("valve", "value")).expect("a file");
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "typo", "--shard", "1/2"]);
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "right"]);
+    assert!(failed(folder.path(), &["sweep", "sweep.toml", "-o", "right"], 2).contains("already contains a sweep"));
+    let message = failed(folder.path(), &["merge", "right", "-o", "right.txt"], 2);
+    assert!(message.contains(".h5") && !folder.path().join("right.txt").exists(), "{message}");
+    let message = failed(folder.path(), &["report", "right/sweep.h5"], 2);
+    assert!(message.contains("the table of a sweep") && message.contains("--plot"), "{message}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::claim::in_place;
 use super::create::{build_materials, build_root};
 use super::scales::attach;
 use super::{Header, MaterialRecord, ResultFile, bounded};
-use crate::error::Result;
+use crate::error::{InputError, Result};
 use crate::impact::{Figure, Shapes, Solution, Table};
 
 type Hdf<T> = hdf5::Result<T>;
@@ -147,6 +147,22 @@ impl StoredImpact {
 }
 
 impl ResultFile {
+    /// Refuses the result of an impact that is not waves in a bar.
+    ///
+    /// # Errors
+    /// An [`InputError`] that names the kind of the impact.
+    pub fn needs_bar(&self) -> Result<()> {
+        let Ok(Ok(kind)) = self.run(|file| Ok(get_text(file, GROUP))) else { return Ok(()) };
+        let message = format!(
+            "{}: the file holds an impact of the kind `{kind}`, without fields along a bar",
+            self.path().display()
+        );
+        Err(InputError::new(message)
+            .allowed("results of scenes with a [bar] that are run with waves")
+            .help("`barwave report` draws this file")
+            .into())
+    }
+
     /// The result of an impact that is not waves in a bar; none in files of bars.
     ///
     /// # Errors

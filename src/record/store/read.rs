@@ -9,6 +9,7 @@ use ndarray::{Array2, s};
 use super::attributes::{get, get_text, get_texts};
 use super::create::END_TORQUE;
 use super::shared::{NotOpened, SharedFile};
+use super::sweep::SWEEP_FORMAT;
 use super::tables::{numbers as column, texts};
 use super::{FORMAT_VERSION, RUNNING, Side, paths};
 use super::{bounded, heap};
@@ -286,16 +287,18 @@ fn open(path: &Path) -> Result<SharedFile> {
     }
     let file = SharedFile::open(path).map_err(|e| cannot_open(path, &e))?;
     log::info!("reading {}", path.display());
-    let format: Hdf<String> = get_text(&file, "format");
-    if format.ok().as_deref() != Some("barwave") {
-        return Err(wrong(
-            path,
-            "this HDF5 file is not a barwave result",
-            "result files have the root attribute format = \"barwave\"",
-        )
-        .into());
+    match get_text(&file, "format").ok().as_deref() {
+        Some("barwave") => Ok(file),
+        Some(SWEEP_FORMAT) => {
+            let help = "draw it with `barwave sweep SWEEP.toml -o DIR --resume --plot FILE.svg`, DIR being its folder; the \
+                        same table stands beside it, as .csv";
+            Err(wrong(path, "this is the table of a sweep, not the result of a run", help).into())
+        }
+        _ => {
+            let help = "result files have the root attribute format = \"barwave\"";
+            Err(wrong(path, "this HDF5 file is not a barwave result", help).into())
+        }
     }
-    Ok(file)
 }
 
 fn wrong(path: &Path, message: &str, help: &str) -> InputError {

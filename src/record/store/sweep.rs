@@ -12,6 +12,9 @@ use crate::error::Result;
 
 type Hdf<T> = hdf5::Result<T>;
 
+/// Root attribute `format` of such files.
+pub(super) const SWEEP_FORMAT: &str = "barwave-sweep";
+
 /// Values of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
@@ -60,7 +63,7 @@ pub struct SweepFile {
 /// [`crate::error::Error::File`] where it cannot be written.
 pub fn write_sweep(path: &Path, sweep: &SweepFile) -> Result<()> {
     in_place(path, |file| -> Hdf<()> {
-        identify(file, "barwave-sweep", &sweep.title)?;
+        identify(file, SWEEP_FORMAT, &sweep.title)?;
         put_text(file, "plan", &sweep.plan)?;
         let shape: Vec<usize> = sweep.scales.iter().map(|scale| scale.values.len()).collect();
         for (scale, length) in sweep.scales.iter().zip(&shape) {

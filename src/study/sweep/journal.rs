@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::metrics::Row;
+use super::metrics::{Row, Status};
 use super::plan::Plan;
 use super::shard::Shard;
 use crate::destination::write_whole;
@@ -53,10 +53,10 @@ impl Journal {
     /// Starts in a folder, which is made where it is missing.
     ///
     /// # Errors
-    /// An [`InputError`] where the folder holds a sweep already, or is no place for one; a file error.
+    /// An [`InputError`] where the folder holds a sweep already of which a case was accepted, or is no place for one; a file error.
     pub fn begin(folder: &Path, plan: &Plan, shard: Shard) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
-        if Self::has_rows(folder) {
+        if Self::has_rows(folder) && !Self::all_refused(folder) {
             let message = format!("the folder {} already contains a sweep", folder.display());
             let help = "continue it with --resume, or choose another folder with -o";
             return Err(InputError::new(message).help(help).into());
@@ -65,7 +65,24 @@ impl Journal {
         let begun = Begun { plan: plan.clone(), shard: [shard.index, shard.count] };
         let json = serde_json::to_string_pretty(&begun).map_err(|e| Error::file(&path, e))?;
         write_whole(&path, (json + "\n").as_bytes())?;
-        Self::open(folder)
+        let journal = Self::open(folder)?;
+        journal.rows.set_len(0).map_err(|e| Error::file(&journal.path, e))?;
+        Ok(journal)
+    }
+
+    /// Whether a sweep has rows, and every one says that its case was refused: there is nothing to lose.
+    fn all_refused(folder: &Path) -> bool {
+        Self::rows(folder).is_ok_and(|rows| !rows.is_empty() && rows.iter().all(|row| row.status == Status::Refused))
+    }
+
+    /// Removes what a sweep has written to a folder, and the folder if nothing else is in it.
+    pub fn remove(self, folder: &Path) {
+        drop(self);
+        for name in [PLAN, ROWS] {
+            // What cannot be removed stays.
+            let _ = std::fs::remove_file(folder.join(name));
+        }
+        let _ = std::fs::remove_dir(folder);
     }
 
     /// Continues in a folder: the rows that it holds.

@@ -65,11 +65,20 @@ pub fn run(
     run_all(sweep, folder, &cases, &under);
     let mut rows = under.rows.into_inner().unwrap_or_default();
     rows.sort_by_key(|row| row.case);
-    write_tables(&folder.join("table.csv"), &folder.join("sweep.h5"), plan, &rows)?;
-    if let Some(error) = under.failed.into_inner().unwrap_or_default() {
-        return Err(error);
-    }
-    let statuses = count_statuses(sweep, &rows)?;
+    let failed = under.failed.into_inner().unwrap_or_default();
+    let statuses = match count_statuses(sweep, &rows) {
+        // The other shards need the rows of one whose cases are all refused.
+        Err(error) if failed.is_none() && !resume && shard == Shard::WHOLE => {
+            if let Ok(journal) = under.journal.into_inner() {
+                journal.remove(folder);
+            }
+            return Err(error);
+        }
+        counted => {
+            write_tables(&folder.join("table.csv"), &folder.join("sweep.h5"), plan, &rows)?;
+            failed.map_or(counted, Err)?
+        }
+    };
     Ok(Finished { statuses, run: cases.len(), without_values: without_values(plan, &rows) })
 }
 

@@ -58,7 +58,8 @@ pub fn waves(title: &str, points: &[WavePoint], given: Option<&Curve>) -> Pictur
         panel(drawing, area(1, 0), "(b)  wave speed", [STRAIN, "wave speed (m/s)"], &speed);
         let velocity = banded("inverted", points, |p| p.velocity_m_s, 1.0);
         panel(drawing, area(0, 1), "(c)  impact velocity", [STRAIN, "impact velocity (m/s)"], &velocity);
-        let half = |p: &WavePoint| (PERCENT * p.strain, 100.0 * p.stress_pa.half_width() / p.stress_pa.value);
+        let half =
+            |p: &WavePoint| (PERCENT * p.strain, 50.0 * (p.stress_pa.high - p.stress_pa.low) / p.stress_pa.value);
         let relative = vec![Series::line("", points.iter().map(half).collect(), solid(0))];
         panel(drawing, area(1, 1), "(d)  uncertainty", [STRAIN, "half 95 % interval of stress (%)"], &relative);
     })

@@ -350,3 +350,213 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
     wrong.extend(setup.split_whitespace().take(12));
     assert!(refused(path, &wrong).contains("2 columns"));
 }
+
+/// A split-Hopkinson test: gauges 1 m from a specimen of 5 mm length and 10 mm diameter, bars of 16 mm, records from 100 us before the
+/// pulse on. The specimen is elastic (70 GPa) up to 300 MPa + 400 MPa `e_p^0.4` and always in equilibrium.
+struct Kolsky {
+    time: Vec<f64>,
+    incident: Vec<f64>,
+    transmitted: Vec<f64>,
+}
+
+const KOLSKY: [&str; 12] = [
+    "--bar-modulus",
+    "200 GPa",
+    "--bar-density",
+    "7850 kg/m^3",
+    "--bar-diameter",
+    "16 mm",
+    "--distances",
+    "1m,1m",
+    "--specimen-length",
+    "5 mm",
+    "--specimen-diameter",
+    "10 mm",
+];
+
+impl Kolsky {
+    /// A pulse of 12 m/s of a length (s), with edges of 15 us.
+    fn of(length: f64) -> Self {
+        let c0 = (200e9_f64 / 7850.0).sqrt();
+        let (dt, edge, ratio) = (1e-7, 15e-6, (10.0_f64 / 16.0).powi(2));
+        let pulse = |t: f64| 12.0 / (2.0 * c0) * (t / edge).min((length + edge - t) / edge).clamp(0.0, 1.0);
+        let (mut strain, mut plastic, mut stress) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mut reflected_transmitted = Vec::new();
+        for k in 0..((length + 4.0 * edge) / dt) as usize {
+            let incident = pulse(dt * k as f64);
+            strain += 2.0 * c0 / 5e-3 * (incident - ratio * stress / 200e9) * dt;
+            while 70e9 * (strain - plastic) > 300e6 + 400e6 * plastic.powf(0.4) {
+                plastic += 1e-7;
+            }
+            stress = (70e9 * (strain - plastic)).max(0.0);
+            let transmitted = ratio * stress / 200e9;
+            reflected_transmitted.push((transmitted - incident, transmitted));
+        }
+        let at = |t: f64| reflected_transmitted.get((t / dt).round() as usize).filter(|_| t >= 0.0).copied();
+        let (start, way) = (100e-6, 2.0 / c0);
+        let time: Vec<f64> = (0..1800).map(|k| 5e-7 * f64::from(k)).collect();
+        let incident =
+            time.iter().map(|&t| -pulse(t - start) - at(t - start - way).map_or(0.0, |pair| pair.0)).collect();
+        let transmitted = time.iter().map(|&t| -at(t - start - way).map_or(0.0, |pair| pair.1)).collect();
+        Self { time, incident, transmitted }
+    }
+
+    /// As microstrain, with zero offsets and uniform noise of 2 microstrain.
+    fn write(&self, path: &Path, header: &str, offsets: [f64; 2]) {
+        let mut rng = XorShiftRng::seed_from_u64(3);
+        let mut text = format!("{header}\n");
+        for ((t, i), d) in self.time.iter().zip(&self.incident).zip(&self.transmitted) {
+            let [i, d] = [(i, offsets[0]), (d, offsets[1])]
+                .map(|(e, offset)| 1e6 * (e + offset) + 2.0 * 12.0_f64.sqrt() * (rng.random::<f64>() - 0.5));
+            let _ = writeln!(text, "{},{i},{d}", 1e6 * t);
+        }
+        std::fs::write(path, text).expect("a file");
+    }
+}
+
+const MICRO: &str = "time_us,incident (ue),transmitted (ue)";
+
+#[test]
+fn zero_offsets_of_the_gauges_are_removed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let test = Kolsky::of(200e-6);
+    test.write(&path.join("clean.csv"), MICRO, [0.0; 2]);
+    test.write(&path.join("offset.csv"), MICRO, [30e-6, 15e-6]);
+    let reduced = |name: &str| json(path, &joined(&["invert", "hopkinson", name, "--json"], &KOLSKY));
+    let (clean, offset) = (reduced("clean.csv"), reduced("offset.csv"));
+    let number = |value: &Value| value.as_f64().expect("a number");
+    for (k, expected) in [30e-6, 15e-6].into_iter().enumerate() {
+        let found = number(&offset["zero_offsets"][k]) - number(&clean["zero_offsets"][k]);
+        assert!((found / expected - 1.0).abs() < 1e-9 && number(&offset["noise"][k]) < 2.5e-6, "{found}");
+    }
+    let knots = |value: &Value| value["curve"].as_array().expect("a curve").clone();
+    let (clean, offset) = (knots(&clean), knots(&offset));
+    assert!(clean.len() > 30 && clean.len() == offset.len(), "{} {}", clean.len(), offset.len());
+    let mut inside = 0;
+    for (a, b) in clean.iter().zip(&offset) {
+        let [stress, strain, half] = ["stress_Pa", "strain", "stress_half_width_Pa"].map(|key| number(&b[key]));
+        assert!((stress / number(&a["stress_Pa"]) - 1.0).abs() < 1e-9, "{a} {b}");
+        // The total strain of a plastic one.
+        let plastic = (0..40).fold(strain, |p, _| strain - (300e6 + 400e6 * p.max(0.0).powf(0.4)) / 70e9);
+        inside += usize::from((stress - 300e6 - 400e6 * plastic.max(0.0).powf(0.4)).abs() <= half);
+        assert!(half < 0.02 * stress || strain < 0.01, "{b}");
+    }
+    assert!(10 * inside >= 8 * clean.len(), "{inside} of {}", clean.len());
+    let text = done(path, &joined(&["invert", "hopkinson", "offset.csv"], &KOLSKY));
+    assert!(text.contains("zero offsets") && text.contains("ue transmitted, removed"), "{text}");
+    // The table ends with the loading.
+    assert!(text.contains("the table ends there"), "{text}");
+    let rates = text.lines().skip_while(|line| !line.contains("rate 1/s")).skip(1);
+    let rates: Vec<f64> = rates.filter_map(|line| line.split_whitespace().nth(2)?.parse().ok()).collect();
+    assert!(rates.len() > 5 && rates.iter().all(|rate| *rate > 0.0), "{text}");
+}
+
+#[test]
+fn records_that_cannot_be_reduced_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let test = Kolsky::of(200e-6);
+    let refusal = |name: &str, parts: &[&str]| {
+        let arguments = joined(&["invert", "hopkinson", name, "--density", "2700 kg/m^3", "-o", "curve.toml"], &KOLSKY);
+        let message = refused(path, &arguments);
+        for part in parts {
+            assert!(message.contains(part), "{part}: {message}");
+        }
+        assert!(!path.join("curve.toml").exists(), "{name}");
+    };
+    // 2 m/c0 = 396.2 us.
+    Kolsky::of(450e-6).write(&path.join("long.csv"), MICRO, [0.0; 2]);
+    refusal("long.csv", &["long.csv", "cannot be separated", "396.2 us", "striker shorter", "move the gauge"]);
+    test.write(&path.join("plain.csv"), "time_us,incident,transmitted", [0.0; 2]);
+    refusal("plain.csv", &["plain.csv:", "unit is not given", "|strain| <= 0.02", "incident_ue"]);
+    let kept = |rows: &[f64], late: bool| rows.iter().skip(if late { 240 } else { 0 }).copied().collect();
+    let late = Kolsky {
+        time: kept(&test.time, true),
+        incident: kept(&test.incident, true),
+        transmitted: kept(&test.transmitted, true),
+    };
+    late.write(&path.join("late.csv"), MICRO, [0.0; 2]);
+    refusal("late.csv", &["late.csv", "starts inside the pulse", "pre-trigger"]);
+    let exchanged = Kolsky {
+        time: kept(&test.time, false),
+        incident: kept(&test.transmitted, false),
+        transmitted: kept(&test.incident, false),
+    };
+    exchanged.write(&path.join("exchanged.csv"), MICRO, [0.0; 2]);
+    refusal("exchanged.csv", &["exchanged.csv", "before the incident pulse", "are exchanged"]);
+    let negative = Kolsky {
+        time: kept(&test.time, false),
+        incident: kept(&test.incident, false),
+        transmitted: test.transmitted.iter().map(|e| -e).collect(),
+    };
+    negative.write(&path.join("negative.csv"), MICRO, [0.0; 2]);
+    refusal("negative.csv", &["negative.csv", "transmitted pulse", "the same sense", "wrong sign"]);
+}
+
+#[test]
+fn a_specimen_wider_than_the_bars_is_noted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    Kolsky::of(200e-6).write(&folder.path().join("test.csv"), MICRO, [0.0; 2]);
+    let arguments: Vec<&str> = KOLSKY.iter().map(|a| if *a == "10 mm" { "20 mm" } else { *a }).collect();
+    let found = json(folder.path(), &joined(&["invert", "hopkinson", "test.csv", "--json"], &arguments));
+    assert!(found["warnings"].to_string().contains("wider than the bars"), "{}", found["warnings"]);
+}
+
+/// Stress (Pa) and speed (m/s) of a steel that yields sharply at 200 MPa.
+fn sharp(strain: f64) -> [f64; 2] {
+    let (density, past) = (7850.0, strain - 1e-3);
+    if past < 0.0 {
+        return [200e9 * strain, (200e9_f64 / density).sqrt()];
+    }
+    let stress = 200e6 + 600e6 * ((past + 1e-4).powf(0.45) - 1e-4_f64.powf(0.45));
+    [stress, (600e6 * 0.45 * (past + 1e-4).powf(-0.55) / density).sqrt()]
+}
+
+#[test]
+fn what_lies_between_the_levels_of_a_table_is_in_the_interval() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let arguments = ["invert", "arrivals", "t.csv", "--density", "7850", "--modulus", "200 GPa", "--length", "5m"];
+    for levels in [&[0.002, 0.003, 0.005, 0.01, 0.02, 0.04][..], &[0.0005, 0.002, 0.003, 0.005, 0.01, 0.02, 0.04]] {
+        let mut text = String::from("x_mm,strain_%,time_us\n");
+        for level in levels {
+            for x in [20.0, 40.0, 80.0, 160.0, 320.0] {
+                let _ = writeln!(text, "{x},{},{:.3}", 100.0 * level, 1e3 * x / sharp(*level)[1]);
+            }
+        }
+        std::fs::write(path.join("t.csv"), text).expect("a file");
+        let found = json(path, &joined(&arguments, &["--json"]));
+        let points = found["points"].as_array().expect("points");
+        assert_eq!(points.len(), levels.len());
+        for (point, level) in points.iter().zip(levels) {
+            let number = |key: &str| point["stress_Pa"][key].as_f64().expect("a number");
+            let [truth, _] = sharp(*level);
+            assert!((number("low")..=number("high")).contains(&truth), "{level}: {truth:e} {point}");
+            assert!((number("low")..=number("high")).contains(&number("value")), "{point}");
+        }
+    }
+    std::fs::write(path.join("t.csv"), "x_mm,strain,time_us\n20,0.5,23\n40,0.5,47\n20,1,29\n40,1,59\n")
+        .expect("a file");
+    let message = refused(path, &arguments);
+    assert!(message.contains("t.csv:5") && message.contains("unit is not given"), "{message}");
+    assert!(message.contains("strain_%"), "{message}");
+}
+
+#[test]
+fn results_of_other_impacts_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/spheres.toml");
+    done(path, &["run", &scene.to_string_lossy(), "-o", "spheres.h5", "--quiet"]);
+    for arguments in [
+        &["invert", "arrivals", "spheres.h5"][..],
+        &["invert", "hopkinson", "spheres.h5"],
+        &["invert", "residual-strain", "spheres.h5"],
+        &["compare", "spheres.h5", "spheres.h5"],
+    ] {
+        let message = refused(path, arguments);
+        assert!(message.contains("an impact of the kind `spheres`") && !message.contains("damaged"), "{message}");
+        assert!(message.contains("[bar]") && message.contains("barwave report"), "{message}");
+    }
+}

@@ -8,7 +8,6 @@ use crate::cli::quantity;
 use crate::cli::result_file::is_result;
 use crate::error::{InputError, Result};
 use crate::material::Sense;
-use crate::record::store::ResultFile;
 use crate::study::invert::arrivals::{Inverted, Options, of_records, of_table};
 use crate::study::invert::{MaterialText, Recording};
 use crate::units::{Dimension, System, format};
@@ -83,7 +82,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
 /// Records of gauges; none where the file is a table of arrivals.
 fn recording(args: &Args) -> Result<Option<Recording>> {
     let recording = if is_result(&args.file) {
-        Recording::from_result(&ResultFile::open(&args.file)?, &args.gauges)?
+        Recording::from_result(&shared::result_of_bar(&args.file)?, &args.gauges)?
     } else if args.at.is_empty() {
         return match args.random.noise {
             Some(_) => Err(InputError::new("a table of arrivals has no record to add noise to")

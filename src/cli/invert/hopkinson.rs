@@ -9,12 +9,11 @@ use crate::cli::result_file::is_result;
 use crate::cli::{output, quantity};
 use crate::error::{InputError, Result};
 use crate::material::Curve;
-use crate::record::store::ResultFile;
 use crate::report;
 use crate::study::invert::hopkinson::{
-    ElasticBar, Moment, Options, Records, Reduced, Setup, Test, records_from_csv, reduce,
+    ElasticBar, Knot, Moment, Options, Records, Reduced, Setup, Test, records_from_csv, reduce,
 };
-use crate::study::invert::{MaterialText, against_knots};
+use crate::study::invert::{MaterialText, MeasuredKnot, against_knots};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave invert hopkinson`.
@@ -75,7 +74,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<()> {
     args.outputs.check()?;
     let (setup, records, test) = if is_result(&args.file) {
-        let test = Test::from_result(&ResultFile::open(&args.file)?, &args.gauges)?;
+        let test = Test::from_result(&shared::result_of_bar(&args.file)?, &args.gauges)?;
         (test.setup.clone(), test.records.clone(), Some(test))
     } else {
         (setup(args)?, records_from_csv(&args.file)?, None)
@@ -90,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         equilibrium: args.equilibrium,
         poisson: args.poisson,
     };
-    let reduced = reduce(&setup, &records, &options)?;
+    let reduced = reduce(&setup, &records, &options).map_err(|error| shared::in_file(error, &args.file))?;
     write(args, &reduced, test.as_ref())
 }
 
@@ -132,7 +131,12 @@ fn write(args: &Args, reduced: &Reduced, test: Option<&Test>) -> Result<()> {
             sense: reduced.sense.name(),
             measured: &std::format!("split-Hopkinson bar, mean strain rate {rate:.0} 1/s, {}", args.file.display()),
         };
-        let knots: Vec<_> = reduced.curve.iter().map(|k| (k.strain, k.stress, k.half_width)).collect();
+        let knot = |k: &Knot| MeasuredKnot {
+            strain: k.strain,
+            stress: k.stress,
+            interval: [k.stress - k.half_width, k.stress + k.half_width],
+        };
+        let knots: Vec<_> = reduced.curve.iter().map(knot).collect();
         outputs.write_material(&material, &knots)?;
     }
     let given = test.and_then(|t| t.given.as_ref());
@@ -158,7 +162,9 @@ fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curv
         std::format!("{} incident, {} transmitted, at c0 = {:.1} m/s", shifts[0], shifts[1], setup.incident.c0()),
     );
     lines.add("window", std::format!("{} after arrival of the pulse", show(reduced.window_s, Dimension::Time)));
-    lines.add("noise", std::format!("{:.2e} strain before the pulse", reduced.noise));
+    let pair = |[a, b]: [f64; 2]| std::format!("{} incident, {} transmitted", micro(a), micro(b));
+    lines.add("zero offsets", std::format!("{}, removed", pair(reduced.zero_offsets)));
+    lines.add("noise", std::format!("{} before the pulses", pair(reduced.noise)));
     lines.add(
         "dispersion",
         std::format!("not corrected; spreads sharp fronts over {}", show(reduced.dispersion_s, Dimension::Time)),
@@ -180,22 +186,38 @@ fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curv
         );
         lines.add("mean strain rate", std::format!("{rate:.0} 1/s"));
     }
+    let loaded = reduced.moments.iter().take_while(|m| m.time_s <= reduced.loading_until_s).last();
+    if let Some(last) = loaded.filter(|last| last.time_s < reduced.window_s) {
+        let time = show(last.time_s, Dimension::Time);
+        lines.add("loading", std::format!("until {time}, strain {:.4}; the table ends there", last.strain));
+    }
     if let Some((deviation, strain)) = given.and_then(|curve| against_knots(curve, &reduced.curve)) {
+        let what = match test {
+            Some(test) if test.rate => "static curve, to which the rate law adds",
+            _ => "simulated curve",
+        };
         lines.add(
             "deviation",
-            std::format!("at most {:+.1} % from the simulated curve, at strain {strain:.4}", 100.0 * deviation),
+            std::format!("at most {:+.1} % from the {what}, at strain {strain:.4}", 100.0 * deviation),
         );
     }
     lines.extend(args.outputs.written());
-    lines.text() + &table(&reduced.moments)
+    lines.text() + &table(&reduced.moments, reduced.loading_until_s)
 }
 
-/// Rows shown to people; CSV has all moments.
+/// A strain in microstrain.
+fn micro(strain: f64) -> String {
+    // Zero has no sign.
+    std::format!("{:.1} ue", (1e7 * strain).round() / 10.0 + 0.0)
+}
+
+/// Rows shown to people, up to the end of the loading; CSV has all moments.
 const ROWS: usize = 12;
 
-fn table(moments: &[Moment]) -> String {
-    let every = (moments.len() / ROWS).max(1);
-    let rows: Vec<Vec<String>> = moments
+fn table(moments: &[Moment], until: f64) -> String {
+    let loaded = &moments[..moments.partition_point(|m| m.time_s <= until)];
+    let every = (loaded.len() / ROWS).max(1);
+    let rows: Vec<Vec<String>> = loaded
         .iter()
         .skip(every)
         .step_by(every)

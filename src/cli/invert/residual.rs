@@ -8,7 +8,6 @@ use crate::cli::quantity;
 use crate::cli::result_file::is_result;
 use crate::error::{InputError, Result};
 use crate::material::Curve;
-use crate::record::store::ResultFile;
 use crate::study::invert::MaterialText;
 use crate::study::invert::residual::{Inverted, Options, Profile, State, Test, invert};
 use crate::units::{Dimension, System, format};
@@ -60,8 +59,11 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     args.outputs.check()?;
-    let test =
-        if is_result(&args.file) { Some(Test::from_result(&ResultFile::open(&args.file)?, args.time)?) } else { None };
+    let test = if is_result(&args.file) {
+        Some(Test::from_result(&shared::result_of_bar(&args.file)?, args.time)?)
+    } else {
+        None
+    };
     let profile = match &test {
         Some(test) => test.profile.clone(),
         None => Profile::from_csv(&args.file)?,
@@ -113,8 +115,8 @@ fn write(args: &Args, options: &Options, profile: &Profile, inverted: &Inverted,
     };
     let mut knots = shared::knots(&inverted.points);
     if let Some(stress) = inverted.yield_stress {
-        knots.insert(0, (stress.value / options.modulus, stress.value, stress.half_width()));
-        knots.dedup_by(|later, first| later.0 <= first.0);
+        knots.insert(0, shared::knot(stress.value / options.modulus, stress));
+        knots.dedup_by(|later, first| later.strain <= first.strain);
     }
     let (title, points) = (TITLE, &inverted.points);
     let waves = Waves { title, points, given, warnings: &inverted.warnings };
@@ -139,12 +141,12 @@ fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
         if inverted.yield_from_velocity {
             "equals the impact velocity, which gives the yield stress".to_owned()
         } else {
-            std::format!("{:.2} +- {:.2} m/s", integral.value, integral.half_width())
+            std::format!("{:.2} m/s, 95 %: {:.2} to {:.2} m/s", integral.value, integral.low, integral.high)
         },
     );
     if let Some(stress) = inverted.yield_stress {
-        let half = show(stress.half_width(), Dimension::Stress);
-        lines.add("yield stress", std::format!("{} +- {half}", show(stress.value, Dimension::Stress)));
+        let [value, low, high] = [stress.value, stress.low, stress.high].map(|s| show(s, Dimension::Stress));
+        lines.add("yield stress", std::format!("{value}, 95 %: {low} to {high}"));
     }
     lines
 }

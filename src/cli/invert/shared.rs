@@ -8,9 +8,12 @@ use crate::cli::lines::Lines;
 use crate::cli::{output, quantity};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
+use crate::input::Document;
 use crate::material::Curve;
+use crate::material::file::of_document;
+use crate::record::store::ResultFile;
 use crate::report::{self, plot};
-use crate::study::invert::{Interval, MaterialText, WavePoint, against, material_text};
+use crate::study::invert::{Interval, MaterialText, MeasuredKnot, WavePoint, against, material_text};
 use crate::units::Dimension;
 
 /// Where results go.
@@ -76,10 +79,13 @@ impl Outputs {
         }
     }
 
-    /// Writes the material file where one is asked for.
-    pub(super) fn write_material(&self, material: &MaterialText<'_>, knots: &[(f64, f64, f64)]) -> Result<()> {
+    /// Writes the material file where one is asked for; refuses a curve that no material can have.
+    pub(super) fn write_material(&self, material: &MaterialText<'_>, knots: &[MeasuredKnot]) -> Result<()> {
         let Some(path) = &self.output else { return Ok(()) };
-        destination::write_whole(path, material_text(material, knots).as_bytes())
+        let text = material_text(material, knots);
+        let document = Document::new(path.display().to_string(), text.as_str());
+        of_document(&document, path).map_err(no_material)?;
+        destination::write_whole(path, text.as_bytes())
     }
 
     /// Writes the figure and the table where they are asked for.
@@ -103,7 +109,7 @@ impl Outputs {
         &self,
         waves: &Waves<'_>,
         material: &MaterialText<'_>,
-        knots: &[(f64, f64, f64)],
+        knots: &[MeasuredKnot],
         object: &impl Serialize,
         mut lines: Lines,
     ) -> Result<()> {
@@ -135,6 +141,32 @@ impl Outputs {
     }
 }
 
+/// The curve of a measurement that is no material's.
+fn no_material(error: Error) -> Error {
+    let Error::Input(error) = error else { return error };
+    let message = format!("the curve is no material's, and nothing is written: {}", error.message);
+    let help = "check the record, its units and what is known beside it; --csv and --plot show the curve";
+    Error::Input(InputError::new(message).key("-o").allowed(error.allowed).help(help))
+}
+
+/// An error of what stands in a file, with the name of the file.
+pub(super) fn in_file(error: Error, path: &Path) -> Error {
+    match error {
+        Error::Input(error) if error.place.is_none() => {
+            let message = format!("{}: {}", path.display(), error.message);
+            Error::Input(InputError { message, ..error })
+        }
+        other => other,
+    }
+}
+
+/// A result file with waves along a bar.
+pub(super) fn result_of_bar(path: &Path) -> Result<ResultFile> {
+    let file = ResultFile::open(path)?;
+    file.needs_bar()?;
+    Ok(file)
+}
+
 /// A value that the command line or the file must give.
 pub(super) fn needed(value: Option<f64>, option: &str, example: &str) -> Result<f64> {
     value.ok_or_else(|| {
@@ -151,22 +183,20 @@ pub(super) fn warnings(all: &[String]) -> String {
 /// Rows of a curve shown to people; JSON and CSV have all.
 const ROWS: usize = 10;
 
-/// Curve points with the halves of their 95 % intervals.
+/// Curve points with their 95 % intervals.
 fn curve_table(points: &[WavePoint]) -> String {
     let every = points.len().div_ceil(ROWS).max(1);
     let shown = points.iter().rev().step_by(every).collect::<Vec<_>>().into_iter().rev();
-    let pair = |value: Interval, unit: f64, digits: usize| {
-        [value.value, value.half_width()].map(|v| format!("{:.digits$}", v / unit))
+    let of = |Interval { value, low, high }: Interval, unit: f64, digits: usize| {
+        [value, low, high].map(|v| format!("{:.digits$}", v / unit))
     };
-    let rows: Vec<Vec<String>> = shown
-        .map(|p| {
-            let [c, dc] = pair(p.wave_speed_m_s, 1.0, 1);
-            let [s, ds] = pair(p.stress_pa, 1e6, 2);
-            let [v, dv] = pair(p.velocity_m_s, 1.0, 2);
-            vec![format!("{:.6}", p.strain), c, dc, s, ds, v, dv]
-        })
-        .collect();
-    output::table(&["strain", "c m/s", "+-", "stress MPa", "+-", "v m/s", "+-"], &rows, 0, false)
+    let row = |p: &WavePoint| {
+        let [c, stress, v] = [of(p.wave_speed_m_s, 1.0, 1), of(p.stress_pa, 1e6, 2), of(p.velocity_m_s, 1.0, 2)];
+        [vec![format!("{:.6}", p.strain)], c.to_vec(), stress.to_vec(), v.to_vec()].concat()
+    };
+    let rows: Vec<Vec<String>> = shown.map(row).collect();
+    let headings = ["strain", "c m/s", "low", "high", "stress MPa", "low", "high", "v m/s", "low", "high"];
+    output::table(&headings, &rows, 0, false)
 }
 
 /// Curve points as CSV.
@@ -184,6 +214,11 @@ fn curve_csv(points: &[WavePoint]) -> String {
 }
 
 /// Knots of a material file.
-pub(super) fn knots(points: &[WavePoint]) -> Vec<(f64, f64, f64)> {
-    points.iter().map(|p| (p.strain, p.stress_pa.value, p.stress_pa.half_width())).collect()
+pub(super) fn knots(points: &[WavePoint]) -> Vec<MeasuredKnot> {
+    points.iter().map(|p| knot(p.strain, p.stress_pa)).collect()
+}
+
+/// One of them.
+pub(super) fn knot(strain: f64, stress: Interval) -> MeasuredKnot {
+    MeasuredKnot { strain, stress: stress.value, interval: [stress.low, stress.high] }
 }

@@ -14,7 +14,7 @@ use rand_xorshift::XorShiftRng;
 use serde::Serialize;
 
 use super::bands::deviation;
-use super::curve::{Integrated, WavePoint, integrate, points};
+use super::curve::{Integrated, WavePoint, bounds, integrate, points};
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
 use super::records::{Record, Recording};
@@ -128,6 +128,10 @@ pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
     let (arrivals, table) = read_table(path)?;
     enough_gauges(arrivals.distance.iter().copied(), options)?;
     not_after_reflection(&table, options, &mut warnings)?;
+    if options.modulus.is_none() {
+        let what = "stress and velocity have no upper bound: the speed below the first level is not known";
+        warnings.push(format!("{what} (needs the modulus)"));
+    }
     let columns = arrivals.distance.len();
     let weights = vec![vec![1.0; arrivals.level.len()]; columns];
     let error = match options.time_error {
@@ -247,7 +251,7 @@ fn read_table(path: &Path) -> Result<(Arrivals, Table)> {
         name if TIME.contains(&name) => Dimension::Time,
         _ => Dimension::None,
     })?;
-    let (x, strain, time) = (table.needed(POSITION)?, table.needed(&["strain", "level"])?, table.needed(TIME)?);
+    let (x, strain, time) = (table.needed(POSITION)?, table.needed_strains(&["strain", "level"])?, table.needed(TIME)?);
     if let Some(row) = strain.iter().position(|&e| e == 0.0) {
         return Err(table.error(row, "a strain level of zero has no arrival").allowed("strain > 0").into());
     }
@@ -321,15 +325,15 @@ fn weights(replicates: &[Arrivals], best: &Arrivals) -> Vec<Vec<f64>> {
     all.iter().map(|column| column.iter().map(|d| (d * d + floor * floor).recip()).collect()).collect()
 }
 
-fn invert(best: &Arrivals, replicates: &[Arrivals], options: &Options, warnings: Vec<String>) -> Result<Inverted> {
-    let weights = weights(replicates, best);
-    let found = lines(best, &weights, options);
-    positive(best, &found)?;
+fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warnings: Vec<String>) -> Result<Inverted> {
+    let weights = weights(replicates, arrivals);
+    let found = lines(arrivals, &weights, options);
+    positive(arrivals, &found)?;
     let drawn: Vec<Lines> = replicates.iter().map(|replicate| lines(replicate, &weights, options)).collect();
     let spread = |i: usize| deviation(drawn.iter().map(|lines| lines.slowness[i]));
-    let spread: Vec<f64> = (0..best.level.len()).map(spread).collect();
-    let kept: Vec<usize> = (0..best.level.len()).filter(|&i| found.slowness[i].is_finite()).collect();
-    let strain: Vec<f64> = kept.iter().map(|&i| best.level[i]).collect();
+    let spread: Vec<f64> = (0..arrivals.level.len()).map(spread).collect();
+    let kept: Vec<usize> = (0..arrivals.level.len()).filter(|&i| found.slowness[i].is_finite()).collect();
+    let strain: Vec<f64> = kept.iter().map(|&i| arrivals.level[i]).collect();
     let c0 = options.modulus.map(|modulus| (modulus / options.density).sqrt());
     let smallest = spread.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-3 + f64::MIN_POSITIVE.sqrt();
     let curve = |lines: &Lines| -> Integrated {
@@ -344,10 +348,12 @@ fn invert(best: &Arrivals, replicates: &[Arrivals], options: &Options, warnings:
     };
     let replicates: Vec<Integrated> = drawn.iter().map(curve).collect();
     let gauges: Vec<usize> = kept.iter().map(|&i| found.gauges[i]).collect();
-    let misfit = misfit(best, &found, &weights);
+    let misfit = misfit(arrivals, &found, &weights);
     let widened = misfit.unwrap_or(1.0).max(1.0);
-    let points = points(&strain, &curve(&found), &replicates, &gauges, widened);
-    let curvature = curvature(best, &found, options);
+    let best = curve(&found);
+    let bounds = bounds(options.density, &strain, &best.speed, [0.0; 3], c0);
+    let points = points(&strain, &best, &replicates, &bounds, &gauges, widened);
+    let curvature = curvature(arrivals, &found, options);
     let curved = misfit.zip(curvature).filter(|&(misfit, curvature)| misfit > CURVED && curvature > BENT);
     let warnings = warnings.into_iter().chain(curved.map(|(misfit, curvature)| {
         format!(
@@ -357,7 +363,7 @@ fn invert(best: &Arrivals, replicates: &[Arrivals], options: &Options, warnings:
         )
     }));
     let warnings = warnings.collect();
-    Ok(Inverted { points, distances: best.distance.clone(), curvature, misfit, warnings })
+    Ok(Inverted { points, distances: arrivals.distance.clone(), curvature, misfit, warnings })
 }
 
 /// Refuses arrivals that are earlier farther away.

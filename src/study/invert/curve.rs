@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::bands::{HALF_95, deviation};
+use super::bands::{HALF_95, bias, deviation};
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -16,14 +16,26 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Estimate and standard error.
-    pub(super) fn of(value: f64, error: f64) -> Self {
-        Self { value, low: value - HALF_95 * error, high: value + HALF_95 * error }
+    /// The estimate and what replicates scatter about it, their deviation times `widened`. Replicates of an estimate deviate from it in the
+    /// mean as it does from the truth, so the interval reaches as far to the other side.
+    pub(super) fn of_replicates(value: f64, replicates: impl Iterator<Item = f64> + Clone, widened: f64) -> Self {
+        let half = HALF_95 * widened * deviation(replicates.clone());
+        let bias = bias(replicates, value);
+        Self { value, low: value - half - bias.max(0.0), high: value + half + (-bias).max(0.0) }
     }
 
-    /// Half of its width.
-    pub fn half_width(self) -> f64 {
-        0.5 * (self.high - self.low)
+    /// Of a magnitude, which is not below 0.
+    fn magnitude(self) -> Self {
+        Self { low: self.low.max(0.0), ..self }
+    }
+
+    /// With bounds of the estimate itself: what lies between the levels.
+    pub(super) fn within(self, [low, high]: [f64; 2]) -> Self {
+        Self {
+            value: self.value,
+            low: self.low - (self.value - low).max(0.0),
+            high: self.high + (high - self.value).max(0.0),
+        }
     }
 }
 
@@ -118,22 +130,55 @@ fn power_mean([a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> f64 {
     integral / (b - a)
 }
 
-/// Points with intervals from replicates of the same levels, the standard errors times `widened`.
+/// Bounds of the stress and of the velocity at each level, low and high.
+#[derive(Debug, Clone)]
+pub(super) struct Bounds {
+    pub(super) stress: Vec<[f64; 2]>,
+    pub(super) velocity: Vec<[f64; 2]>,
+}
+
+/// Bounds of [`integrate`]: along a concave curve the speed does not increase, so between two levels it is at most that of the lower one
+/// and at least that of the upper one. Below the first level it is at most `fastest`; where that is not known, the first level has no
+/// upper bound, and its own speed stands for it.
+pub(super) fn bounds(
+    density: f64,
+    strain: &[f64],
+    speed: &[f64],
+    [start, stress, velocity]: [f64; 3],
+    fastest: Option<f64>,
+) -> Bounds {
+    let mut all = Bounds { stress: Vec::with_capacity(strain.len()), velocity: Vec::with_capacity(strain.len()) };
+    let (mut before, mut sigma, mut v) = (start, [stress; 2], [velocity; 2]);
+    let mut above = fastest.or(speed.first().copied()).unwrap_or(0.0);
+    for (&e, &c) in strain.iter().zip(speed) {
+        for (k, speed) in [c.min(above), c.max(above)].into_iter().enumerate() {
+            sigma[k] += density * speed * speed * (e - before);
+            v[k] += speed * (e - before);
+        }
+        (before, above) = (e, c);
+        all.stress.push(sigma);
+        all.velocity.push(v);
+    }
+    all
+}
+
+/// Points with intervals: replicates of the same levels, their standard errors times `widened`, and the bounds.
 pub(super) fn points(
     strain: &[f64],
     best: &Integrated,
     replicates: &[Integrated],
+    bounds: &Bounds,
     gauges: &[usize],
     widened: f64,
 ) -> Vec<WavePoint> {
     let interval = |i: usize, of: fn(&Integrated) -> &[f64]| {
-        Interval::of(of(best)[i], widened * deviation(replicates.iter().map(|replicate| of(replicate)[i])))
+        Interval::of_replicates(of(best)[i], replicates.iter().map(move |replicate| of(replicate)[i]), widened)
     };
     let point = |(i, &strain): (usize, &f64)| WavePoint {
         strain,
-        wave_speed_m_s: interval(i, |c| &c.speed),
-        stress_pa: interval(i, |c| &c.stress),
-        velocity_m_s: interval(i, |c| &c.velocity),
+        wave_speed_m_s: interval(i, |c| &c.speed).magnitude(),
+        stress_pa: interval(i, |c| &c.stress).within(bounds.stress[i]).magnitude(),
+        velocity_m_s: interval(i, |c| &c.velocity).within(bounds.velocity[i]).magnitude(),
         gauges: gauges[i],
     };
     strain.iter().enumerate().map(point).collect()
@@ -153,6 +198,23 @@ mod tests {
         for (e, stress) in strain.iter().zip(&integrated.stress) {
             // The elastic part is short, and what is below 2^-24 of the first level is left out.
             assert!((stress / (k * e.powf(n)) - 1.0).abs() < 2e-3, "{e}: {stress:e}");
+        }
+    }
+
+    #[test]
+    fn estimates_lie_between_the_bounds_of_a_falling_speed() {
+        // Sharp yield at 0.001: no level lies at the knee.
+        let (density, strain, speed) = (8000.0, [0.0005, 0.002, 0.01], vec![5000.0, 1000.0, 500.0]);
+        let bounds = bounds(density, &strain, &speed, [0.0; 3], Some(5000.0));
+        let integrated = integrate(density, &strain, speed, [0.0; 3], Some(5000.0));
+        for (of, bounds) in [(&integrated.stress, &bounds.stress), (&integrated.velocity, &bounds.velocity)] {
+            for (value, [low, high]) in of.iter().zip(bounds) {
+                assert!((low * (1.0 - 1e-12)..=high * (1.0 + 1e-12)).contains(value), "{low:e} {value:e} {high:e}");
+            }
+        }
+        // 100 MPa elastic, then 0.0015 at 1000 or at 5000 m/s.
+        for (bound, expected) in bounds.stress[1].iter().zip([112e6, 400e6]) {
+            assert!((bound / expected - 1.0_f64).abs() < 1e-12, "{bound:e}");
         }
     }
 

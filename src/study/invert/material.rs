@@ -19,9 +19,19 @@ pub struct MaterialText<'a> {
     pub measured: &'a str,
 }
 
-/// The text of a material file with this curve: knots (strain, stress in Pa, half of the 95 % interval in Pa), magnitudes, strain strictly
-/// increasing from above 0.
-pub fn material_text(material: &MaterialText<'_>, knots: &[(f64, f64, f64)]) -> String {
+/// A knot of a curve, magnitudes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredKnot {
+    /// Engineering strain.
+    pub strain: f64,
+    /// Engineering stress, Pa.
+    pub stress: f64,
+    /// Its 95 % interval, Pa.
+    pub interval: [f64; 2],
+}
+
+/// The text of a material file with this curve, strain strictly increasing from above 0.
+pub fn material_text(material: &MaterialText<'_>, knots: &[MeasuredKnot]) -> String {
     let quote = |text: &str| toml_edit::Value::from(text).to_string();
     let mut text = String::new();
     let mut line = |key: &str, value: String| {
@@ -38,8 +48,8 @@ pub fn material_text(material: &MaterialText<'_>, knots: &[(f64, f64, f64)]) -> 
     line("sense", quote(material.sense));
     line("beyond", quote("error"));
     text += "\n[curve]\n# strain, stress in Pa; 95 % interval of the stress\ntable = [\n";
-    for (strain, stress, half) in knots {
-        let _ = writeln!(text, "    [{strain:e}, {stress:e}],  # +- {half:.2e}");
+    for MeasuredKnot { strain, stress, interval: [low, high] } in knots {
+        let _ = writeln!(text, "    [{strain:e}, {stress:e}],  # {low:.4e} to {high:.4e}");
     }
     text += "]\n\n[source]\ncitation = \"\"\n";
     let _ = writeln!(text, "measured = {}\nconfidence = \"measured\"", quote(material.measured));

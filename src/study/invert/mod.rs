@@ -19,7 +19,7 @@ mod setup;
 mod table;
 
 pub use curve::{Interval, WavePoint};
-pub use material::{MaterialText, material_text};
+pub use material::{MaterialText, MeasuredKnot, material_text};
 pub use records::{Record, Recording};
 
 use crate::material::Curve;

@@ -53,6 +53,11 @@ impl Noise {
         (squares / self.residuals.len().max(1) as f64).sqrt()
     }
 
+    /// Standard error of the mean of the values, whose neighbours may be correlated; 0 of a single one.
+    pub(super) fn error_of_mean(&self) -> f64 {
+        self.rms() * (self.block as f64 / self.residuals.len().max(1) as f64).sqrt()
+    }
+
     /// The fit with residuals drawn anew (moving-block bootstrap, H. R. Kuensch, Ann. Statist. 17, 1989).
     pub(super) fn replicate(&self, fit: &[f64], rng: &mut XorShiftRng) -> Vec<f64> {
         let n = self.residuals.len();

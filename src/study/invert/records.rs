@@ -68,6 +68,9 @@ impl Recording {
                 .help("sort the rows")
                 .into());
         }
+        for column in 1..=gauges {
+            table.plausible_strains(column)?;
+        }
         let record = |(k, &distance): (usize, &f64)| Record {
             name: table.names[k + 1].clone(),
             distance,

@@ -17,8 +17,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xorshift::XorShiftRng;
 use serde::Serialize;
 
-use super::bands::deviation;
-use super::curve::{Integrated, Interval, WavePoint, integrate, points};
+use super::curve::{Bounds, Integrated, Interval, WavePoint, bounds, integrate, points};
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
 use super::setup::{self, Segment};
@@ -131,7 +130,7 @@ impl Profile {
         let of = |name: &str| if POSITION.contains(&name) { Dimension::Length } else { Dimension::None };
         let table = Table::read(path, |_, name| of(name))?;
         let distance = table.needed(POSITION)?.to_vec();
-        let strain = table.needed(&["strain", "plastic_strain", "residual_strain"])?.to_vec();
+        let strain = table.needed_strains(&["strain", "plastic_strain", "residual_strain"])?.to_vec();
         if let Some(row) = distance.windows(2).position(|pair| pair[1] <= pair[0]) {
             return Err(table
                 .error(row + 1, "x does not increase from the row before")
@@ -380,15 +379,19 @@ fn whole_strains(plastic: &[f64], speed: &[f64], c0: f64) -> Vec<f64> {
 
 fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &Fronts) -> Inverted {
     let curves: Vec<Integrated> = drawn.iter().map(|evaluated| evaluated.curve.clone()).collect();
-    let all = points(&found.strain, &found.curve, &curves, &vec![1; found.strain.len()], 1.0);
+    let from_velocity = options.state == State::Released && options.yield_stress.is_none();
+    let (between, yields) = between_levels(found, options, from_velocity);
+    let all = points(&found.strain, &found.curve, &curves, &between, &vec![1; found.strain.len()], 1.0);
     let every = (all.len() / POINTS).max(1);
     let kept = all.iter().rev().step_by(every).rev().copied().collect();
-    let interval = |of: fn(&Evaluated) -> f64| Interval::of(of(found), deviation(drawn.iter().map(of)));
+    let interval = |of: fn(&Evaluated) -> f64| Interval::of_replicates(of(found), drawn.iter().map(of), 1.0);
+    let top = between.velocity.len() - 1;
+    let plateau = found.velocity - found.curve.velocity[top];
     let mut inverted = Inverted {
         points: kept,
-        yield_stress: (options.state == State::Released).then(|| interval(|e| e.yield_stress)),
-        yield_from_velocity: options.state == State::Released && options.yield_stress.is_none(),
-        velocity_integral_m_s: interval(|e| e.velocity),
+        yield_stress: (options.state == State::Released).then(|| interval(|e| e.yield_stress).within(yields)),
+        yield_from_velocity: from_velocity,
+        velocity_integral_m_s: interval(|e| e.velocity).within(between.velocity[top].map(|v| v + plateau)),
         impact_velocity_m_s: options.velocity,
         warnings: Vec::new(),
     };
@@ -398,13 +401,41 @@ fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &F
     inverted
 }
 
+/// What the speeds between the levels leave open: bounds of the points and of the yield stress. Where the impact velocity gives the yield
+/// stress, the largest strain has that velocity, and what the integral may miss is missing in the yield stress.
+fn between_levels(found: &Evaluated, options: &Options, from_velocity: bool) -> (Bounds, [f64; 2]) {
+    let c0 = (options.modulus / options.density).sqrt();
+    let start = match options.state {
+        State::Loaded => [0.0; 3],
+        State::Released => {
+            let strain = found.yield_stress / options.modulus;
+            [strain, found.yield_stress, c0 * strain]
+        }
+    };
+    let mut all = bounds(options.density, &found.strain, &found.curve.speed, start, Some(c0));
+    if !from_velocity {
+        return (all, [found.yield_stress; 2]);
+    }
+    let velocity = found.curve.velocity[found.strain.len() - 1];
+    let top = all.velocity[found.strain.len() - 1];
+    for v in &mut all.velocity {
+        *v = [velocity - (top[1] - v[1]), velocity - (top[0] - v[0])];
+    }
+    let impedance = options.density * c0;
+    let open = [impedance * (velocity - top[1]), impedance * (velocity - top[0])];
+    for stress in &mut all.stress {
+        *stress = [stress[0] + open[0], stress[1] + open[1]];
+    }
+    (all, open.map(|open| found.yield_stress + open))
+}
+
 /// The integral misses the impact velocity by more than its interval and this part.
 const VELOCITY_TOLERANCE: f64 = 0.03;
 
 fn velocity_warning(inverted: &Inverted) -> Option<String> {
     let (integral, velocity) = (inverted.velocity_integral_m_s, inverted.impact_velocity_m_s);
-    let missed = (integral.value - velocity).abs();
-    let matters = missed > integral.half_width().max(VELOCITY_TOLERANCE * velocity);
+    let outside = !(integral.low..=integral.high).contains(&velocity);
+    let matters = outside && (integral.value - velocity).abs() > VELOCITY_TOLERANCE * velocity;
     (matters && !inverted.yield_from_velocity).then(|| {
         format!(
             "the wave speeds integrate to {:.2} m/s, and the impact velocity is {velocity:.2} m/s: the stresses are not reliable",

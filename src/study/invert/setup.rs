@@ -74,9 +74,14 @@ pub(super) fn segments(file: &ResultFile) -> Result<Vec<Segment>> {
     Ok(all)
 }
 
+/// Whether a run has an effect, by the start of its name.
+pub(super) fn has_effect(metadata: &Metadata, name: &str) -> bool {
+    metadata.effects.iter().any(|effect| effect.starts_with(name))
+}
+
 /// What of the simulated effects simple-wave theory does not know, one sentence each.
 pub(super) fn outside_theory(metadata: &Metadata) -> Vec<String> {
-    let has = |name: &str| metadata.effects.iter().any(|effect| effect.starts_with(name));
+    let has = |name: &str| has_effect(metadata, name);
     let mut notes = Vec::new();
     if has("rate") {
         let what = "the run has a rate law: strain levels do not propagate at constant speeds, and the inverted curve";

@@ -13,8 +13,13 @@ pub(super) struct Table {
     pub(super) names: Vec<String>,
     /// One a name.
     pub(super) columns: Vec<Vec<f64>>,
+    /// Whether the header gives the unit, one a name.
+    units: Vec<bool>,
     spans: Vec<std::ops::Range<usize>>,
 }
+
+/// The largest strain of a column whose unit is not given: more is percent read as a number.
+const MOST_WITHOUT_UNIT: f64 = 0.5;
 
 impl Table {
     /// Reads a file. `dimension` says what a column of this name measures.
@@ -30,7 +35,7 @@ impl Table {
                 .help("start the file with a line such as time_us,g1,g2")
                 .into());
         };
-        let named: Vec<(String, f64)> = header
+        let named: Vec<Named> = header
             .cells
             .iter()
             .enumerate()
@@ -38,47 +43,88 @@ impl Table {
             .collect::<Result<_>>()?;
         let mut columns = vec![Vec::with_capacity(wide.rows.len()); named.len()];
         for row in &wide.rows {
-            for ((cell, column), (name, factor)) in row.cells.iter().zip(&mut columns).zip(&named) {
-                column.push(number(&document, cell, name)? * factor);
+            for ((cell, column), named) in row.cells.iter().zip(&mut columns).zip(&named) {
+                column.push(number(&document, cell, &named.name)? * named.factor);
             }
         }
-        let (names, spans) =
-            (named.into_iter().map(|(name, _)| name).collect(), wide.rows.into_iter().map(|row| row.span).collect());
-        Ok(Self { document, names, columns, spans })
+        let units = named.iter().map(|named| named.unit).collect();
+        let names = named.into_iter().map(|named| named.name).collect();
+        let spans = wide.rows.into_iter().map(|row| row.span).collect();
+        Ok(Self { document, names, columns, units, spans })
     }
 
     /// The column of the first of these names that there is; else the only one whose name ends with such a word, as in "plastic strain".
-    pub(super) fn column(&self, names: &[&str]) -> Option<&[f64]> {
+    fn position(&self, names: &[&str]) -> Option<usize> {
         let found = names.iter().find_map(|name| self.names.iter().position(|own| own == name));
         let ends_so = |own: &str| names.iter().any(|name| own.rsplit([' ', '_', '-']).next() == Some(*name));
         let mut ending = (0..self.names.len()).filter(|column| ends_so(&self.names[*column]));
-        let found = found.or_else(|| ending.next().filter(|_| ending.next().is_none()))?;
-        Some(&self.columns[found])
+        found.or_else(|| ending.next().filter(|_| ending.next().is_none()))
     }
 
     /// An error at a row (from 0).
     pub(super) fn error(&self, row: usize, message: impl Into<String>) -> InputError {
-        self.document.error(self.spans.get(row).cloned().unwrap_or(0..0), "", message)
+        self.error_in(row, "", message)
     }
 
-    /// The same as [`Table::column`], which must be there.
+    /// An error at a row (from 0) of a column.
+    pub(super) fn error_in(&self, row: usize, column: &str, message: impl Into<String>) -> InputError {
+        self.document.error(self.spans.get(row).cloned().unwrap_or(0..0), column, message)
+    }
+
+    /// The column of the first of these names, which must be there.
     pub(super) fn needed(&self, names: &[&str]) -> Result<&[f64]> {
-        self.column(names).ok_or_else(|| {
+        Ok(&self.columns[self.needed_position(names)?])
+    }
+
+    fn needed_position(&self, names: &[&str]) -> Result<usize> {
+        self.position(names).ok_or_else(|| {
             let message = format!("{}: there is no column `{}`", self.document.file, names[0]);
             InputError::new(message).allowed(format!("columns {}", self.names.join(", "))).help(HEADER).into()
         })
+    }
+
+    /// A column of strains, which must be there. Without a unit, strains that look like percent are refused.
+    pub(super) fn needed_strains(&self, names: &[&str]) -> Result<&[f64]> {
+        let column = self.needed_position(names)?;
+        self.plausible_strains(column)?;
+        Ok(&self.columns[column])
+    }
+
+    /// Refuses strains without a unit that look like percent.
+    pub(super) fn plausible_strains(&self, column: usize) -> Result<()> {
+        let strain = &self.columns[column];
+        let largest = (0..strain.len()).max_by(|&a, &b| strain[a].abs().total_cmp(&strain[b].abs()));
+        let large = largest.filter(|&row| strain[row].abs() > MOST_WITHOUT_UNIT);
+        let Some(row) = large.filter(|_| !self.units[column]) else { return Ok(()) };
+        let name = &self.names[column];
+        let message = format!("a strain of {}{}", strain[row], self.unit_note(column));
+        Err(self
+            .error_in(row, name, message)
+            .allowed(format!("|strain| <= {MOST_WITHOUT_UNIT} if no unit is given"))
+            .help(format!("name the unit in the first line: {name}_% for percent, {name}_ue for microstrain"))
+            .into())
+    }
+
+    /// What to say of a value whose column has no unit.
+    pub(super) fn unit_note(&self, column: usize) -> &'static str {
+        if self.units[column] { "" } else { ", as a plain number since the unit is not given" }
     }
 }
 
 const HEADER: &str = "name the columns in the first line, with their units: x_mm,strain_%,time_us";
 
+/// What a title says.
+struct Named {
+    name: String,
+    /// SI value of its unit; 1 without one.
+    factor: f64,
+    /// Whether it gives a unit.
+    unit: bool,
+}
+
 /// Name in lower case and SI factor of a title such as `time_us`, `Time (us)` or `strain [%]`, or of one with its unit below it.
-fn named(
-    document: &Document,
-    cell: &Cell,
-    unit_below: &str,
-    dimension: impl Fn(&str) -> Dimension,
-) -> Result<(String, f64)> {
+fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(&str) -> Dimension) -> Result<Named> {
+    let with_unit = |name: String, factor: f64| Named { name, factor, unit: true };
     let title = cell.text.trim();
     let bracket = title.find(['(', '[']);
     let (name, unit) = match bracket {
@@ -91,19 +137,19 @@ fn named(
         let micro = ["ue", "microstrain", "um/m"].contains(&unit);
         let factor = if micro { Ok(1e-6) } else { of(unit, dimension(&name)) };
         let factor = factor.map_err(|reason| document.error(cell.span.clone(), "", reason).help(HEADER))?;
-        return Ok((name, factor));
+        return Ok(with_unit(name, factor));
     }
     // `time_us`: what stands after the underscore may as well be part of the name.
     if let Some((name, unit)) = title.rsplit_once('_') {
         let name = name.to_lowercase();
         if unit == "ue" || unit == "microstrain" {
-            return Ok((name, 1e-6));
+            return Ok(with_unit(name, 1e-6));
         }
         if let Ok(factor) = of(unit, dimension(&name)) {
-            return Ok((name, factor));
+            return Ok(with_unit(name, factor));
         }
     }
-    Ok((title.to_lowercase(), 1.0))
+    Ok(Named { name: title.to_lowercase(), factor: 1.0, unit: false })
 }
 
 fn number(document: &Document, cell: &Cell, name: &str) -> Result<f64> {

@@ -27,6 +27,8 @@ pub struct Test {
     pub density: f64,
     /// The specimen's curve in the simulation.
     pub given: Option<Curve>,
+    /// Whether the run has a rate law: the curve is the static one then.
+    pub rate: bool,
     /// Until the transmitted pulse comes back from the far end to its gauge, after it passed there, s.
     pub limit: f64,
 }
@@ -46,7 +48,26 @@ pub fn records_from_csv(path: &Path) -> Result<Records> {
     if let Some(row) = time.windows(2).position(|pair| pair[1] < pair[0]) {
         return Err(table.error(row + 1, "the time is smaller than in the row before").help("sort the rows").into());
     }
+    for (column, strain) in [incident, transmitted].into_iter().enumerate() {
+        elastic(&table, column + 1, strain)?;
+    }
     Ok(Records { incident: (time.clone(), incident.clone()), transmitted: (time.clone(), transmitted.clone()) })
+}
+
+/// The largest strain of an elastic bar: more is microstrain or percent that is read as a plain number.
+const MOST_ELASTIC: f64 = 0.02;
+
+/// Refuses strains that no elastic bar has.
+fn elastic(table: &Table, column: usize, strain: &[f64]) -> Result<()> {
+    let largest = (0..strain.len()).max_by(|&a, &b| strain[a].abs().total_cmp(&strain[b].abs()));
+    let Some(row) = largest.filter(|&row| strain[row].abs() > MOST_ELASTIC) else { return Ok(()) };
+    let name = &table.names[column];
+    let message = format!("a strain of {} on an elastic bar{}", strain[row], table.unit_note(column));
+    Err(table
+        .error_in(row, name, message)
+        .allowed(format!("|strain| <= {MOST_ELASTIC}"))
+        .help(format!("name the unit in the first line: {name}_ue for microstrain, {name}_% for percent"))
+        .into())
 }
 
 impl Records {
@@ -108,6 +129,7 @@ impl Test {
             material: specimen.name.clone(),
             density: specimen.density,
             given: Curve::new(&specimen.curve(true), Beyond::Error).ok(),
+            rate: setup::has_effect(file.metadata(), "rate"),
             limit,
         })
     }

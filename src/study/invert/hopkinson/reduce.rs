@@ -4,9 +4,11 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::pulse::{Pulse, Zeroed, separate};
 use super::test_set::{Records, Setup};
 use crate::error::{InputError, Result};
 use crate::material::Sense;
+use crate::study::invert::bands::HALF_95;
 use crate::study::invert::noise::at;
 
 /// How to reduce.
@@ -62,7 +64,7 @@ pub struct Knot {
     /// Engineering stress, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// 95 % interval of the stress, Pa: noise, and half the root mean square difference of the faces.
+    /// 95 % interval of the stress, Pa: noise, errors of the zero offsets, and half the root mean square difference of the faces.
     #[serde(rename = "stress_half_width_Pa")]
     pub half_width: f64,
     /// Mean strain rate, 1/s.
@@ -81,8 +83,12 @@ pub struct Reduced {
     pub arrival_s: f64,
     /// Length of the reduction, s.
     pub window_s: f64,
-    /// Noise of the records before the pulse: standard deviation of the strain.
-    pub noise: f64,
+    /// Zero offsets of the gauges on the incident and on the transmission bar, which are removed: mean strain before the pulse.
+    pub zero_offsets: [f64; 2],
+    /// Noise of their records: standard deviation of the strain about it.
+    pub noise: [f64; 2],
+    /// End of the loading, s: afterwards the specimen unloads.
+    pub loading_until_s: f64,
     /// Time from which the faces are in equilibrium, s; none where they never are.
     pub equilibrium_from_s: Option<f64>,
     /// Time until which they are; none where that is the end of the loading.
@@ -112,13 +118,6 @@ const FEWEST_MOMENTS: usize = 400;
 /// Ranges of strain in the curve.
 const KNOTS: usize = 40;
 
-/// Part of the largest strain at which a pulse arrives and ends.
-const ARRIVES: f64 = 0.05;
-const ENDS: f64 = 0.1;
-
-/// Part of the time to the reflected pulse in which the incident one is looked at: positions and speeds are not exact.
-const ALONE: f64 = 0.98;
-
 /// Part of the largest rate below which the specimen counts as unloading.
 const SLOW: f64 = 0.1;
 
@@ -128,53 +127,30 @@ const SMOOTHED: f64 = 0.02;
 /// Shortest equilibrium that has a curve, as a part of the loading.
 const SHORTEST: f64 = 0.1;
 
-/// The incident pulse at its gauge.
-struct Pulse {
-    sign: f64,
-    arrival: f64,
-    /// s; infinite where the reflected pulse arrives before it has ended.
-    lasts: f64,
-    /// Before the pulse.
-    noise: f64,
-}
-
-fn pulse(setup: &Setup, (time, strain): &(Vec<f64>, Vec<f64>)) -> Result<Pulse> {
-    let largest = strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
-    let first = strain.iter().position(|e| e.abs() >= ARRIVES * largest).filter(|_| largest > 0.0);
-    let first = first.ok_or_else(|| {
-        InputError::new("the gauge of the incident bar records no pulse")
-            .help("check the order and the units of the columns")
-    })?;
-    let reflected = time[first] + ALONE * 2.0 * setup.incident.delay();
-    let alone = first..time.partition_point(|&t| t < reflected).max(first + 1);
-    let signed = strain[alone.clone()].iter().fold(0.0_f64, |top, &e| if e.abs() > top.abs() { e } else { top });
-    let last = alone.clone().rev().find(|&row| strain[row].abs() > ENDS * signed.abs()).unwrap_or(first);
-    let ends = last + 1 < alone.end;
-    let quiet = &strain[..first];
-    let squares: f64 = quiet.iter().map(|e| e * e).sum();
-    Ok(Pulse {
-        sign: signed.signum(),
-        arrival: time[first],
-        lasts: if ends { time[last] - time[first] } else { f64::INFINITY },
-        noise: (squares / quiet.len().max(1) as f64).sqrt(),
-    })
-}
+/// Part of the incident pulse by which another one may have the wrong sense: noise and drift of the gauges.
+const WRONG_SENSE: f64 = 0.02;
 
 /// Reduces a test.
 ///
 /// # Errors
-/// Records without a pulse, or shorter than the window.
+/// Records without a pulse, that start inside it or are shorter than the window; pulses that overlap, that come in the wrong order or
+/// have the wrong sense.
 pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Reduced> {
-    let pulse = pulse(setup, &records.incident)?;
-    let mut warnings = Vec::new();
+    let (zeroed, pulse) = separate(setup, records)?;
+    let mut warnings = wide(setup);
     let window = window(setup, records, options, &pulse, &mut warnings)?;
-    let moments = moments(setup, records, &pulse, window);
+    let moments = moments(setup, &zeroed, &pulse, window);
+    senses(&moments)?;
+    let half = (0.5 * SMOOTHED * moments.len() as f64) as usize;
+    let loading = loading(&moments, half);
     let mut reduced = Reduced {
         setup: setup.clone(),
         sense: Sense::of(pulse.sign),
         arrival_s: pulse.arrival,
         window_s: window,
-        noise: pulse.noise,
+        zero_offsets: [zeroed[0].offset, zeroed[1].offset],
+        noise: [zeroed[0].noise, zeroed[1].noise],
+        loading_until_s: moments[loading.saturating_sub(1)].time_s,
         equilibrium_from_s: None,
         equilibrium_until_s: None,
         equilibrium_from_strain: None,
@@ -185,8 +161,46 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
         warnings,
         moments,
     };
-    equilibrium(&mut reduced, options.equilibrium);
+    // The means at the edge of the window reach past the loading.
+    equilibrium(&mut reduced, options.equilibrium, half, loading.saturating_sub(half));
+    add_offset_errors(&mut reduced, [zeroed[0].offset_error, zeroed[1].offset_error]);
     Ok(reduced)
+}
+
+/// What a specimen that stands over the bars' faces means.
+fn wide(setup: &Setup) -> Vec<String> {
+    let bar = setup.incident.area.min(setup.transmitted.area);
+    let message = || {
+        format!(
+            "the specimen is wider than the bars: its section is {:.2} times theirs, and its rim is not loaded",
+            setup.area / bar
+        )
+    };
+    // Equal diameters may differ by rounding.
+    (setup.area > bar * (1.0 + 1e-6)).then(message).into_iter().collect()
+}
+
+/// Refuses pulses of a sense that no specimen between the bars gives: what passes it has the sense of the incident pulse, what it
+/// reflects the other one.
+fn senses(moments: &[Moment]) -> Result<()> {
+    let sum = |of: fn(&Moment) -> f64| moments.iter().map(of).sum::<f64>();
+    let incident = sum(|m| m.incident);
+    let wrong = |pulse: &str, has: &str, allowed: &str, part: f64| {
+        let message = format!(
+            "the {pulse} pulse has {has} sense of the incident one: in the mean, it is {part:+.2} times as large"
+        );
+        let help =
+            "a gauge has the wrong sign (multiply its column by -1), columns are exchanged, or a distance is wrong";
+        InputError::new(message).allowed(allowed).help(help)
+    };
+    let (reflected, transmitted) = (sum(|m| m.reflected) / incident, sum(|m| m.transmitted) / incident);
+    if transmitted < -WRONG_SENSE {
+        return Err(wrong("transmitted", "not the", "the same sense", transmitted).into());
+    }
+    if reflected > WRONG_SENSE {
+        return Err(wrong("reflected", "the", "the other sense", reflected).into());
+    }
+    Ok(())
 }
 
 /// The time in which incident and reflected pulse are separate and no other wave has arrived.
@@ -207,13 +221,7 @@ fn window(
         return Err(InputError::new(message).help("check the units of the time and the gauge distances").into());
     }
     let wanted = options.window.unwrap_or(pulse.lasts);
-    if pulse.lasts > separate && options.window.is_none() {
-        warnings.push(format!(
-            "the incident pulse has not ended at its gauge when the reflected one arrives there, {:.1} us after it: the \
-             reduction ends there",
-            1e6 * separate
-        ));
-    } else if wanted > limit {
+    if wanted > limit {
         warnings.push(format!(
             "the reduction ends after {:.1} us, when another wave arrives or the records end",
             1e6 * limit
@@ -222,9 +230,10 @@ fn window(
     Ok(wanted.min(limit))
 }
 
-fn moments(setup: &Setup, records: &Records, pulse: &Pulse, window: f64) -> Vec<Moment> {
+fn moments(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> Vec<Moment> {
+    let [incident_gauge, transmitted_gauge] = zeroed.each_ref().map(|zeroed| &zeroed.record);
     let within = |t: &&f64| (pulse.arrival..pulse.arrival + window).contains(*t);
-    let samples = records.incident.0.iter().filter(within).count();
+    let samples = incident_gauge.0.iter().filter(within).count();
     let steps = samples.clamp(FEWEST_MOMENTS, MOST_MOMENTS);
     let (one, two) = (&setup.incident, &setup.transmitted);
     let section = setup.area.recip();
@@ -234,9 +243,9 @@ fn moments(setup: &Setup, records: &Records, pulse: &Pulse, window: f64) -> Vec<
     let moment = |k: usize| {
         let time = window * k as f64 / steps as f64;
         let t = pulse.arrival + time;
-        let incident = pulse.sign * at(&records.incident.0, &records.incident.1, t);
-        let reflected = pulse.sign * at(&records.incident.0, &records.incident.1, t + 2.0 * one.delay());
-        let transmitted = pulse.sign * at(&records.transmitted.0, &records.transmitted.1, t + passed);
+        let incident = pulse.sign * at(&incident_gauge.0, &incident_gauge.1, t);
+        let reflected = pulse.sign * at(&incident_gauge.0, &incident_gauge.1, t + 2.0 * one.delay());
+        let transmitted = pulse.sign * at(&transmitted_gauge.0, &transmitted_gauge.1, t + passed);
         let rates = [
             (one.c0() * (incident - reflected) - two.c0() * transmitted) / setup.length,
             -2.0 * one.c0() * reflected / setup.length,
@@ -301,17 +310,19 @@ fn longest(imbalance: &[f64], tolerance: f64) -> Range<usize> {
     longest
 }
 
-/// Finds the time of equilibrium and the curve in it.
-fn equilibrium(reduced: &mut Reduced, tolerance: f64) {
-    let moments = &reduced.moments;
-    let half = (0.5 * SMOOTHED * moments.len() as f64) as usize;
-    let smooth = |of: fn(&Moment) -> f64| smoothed(&moments.iter().map(of).collect::<Vec<_>>(), half);
-    let (front, back, rate) = (smooth(|m| m.stress_incident_face), smooth(|m| m.stress_one_wave), smooth(|m| m.rate));
-    let imbalance: Vec<f64> = front.iter().zip(&back).map(|(f, b)| 2.0 * (f - b).abs() / (f + b).abs()).collect();
+/// Moments until the specimen unloads.
+fn loading(moments: &[Moment], half: usize) -> usize {
+    let rate = smoothed(&moments.iter().map(|m| m.rate).collect::<Vec<_>>(), half);
     let fastest = rate.iter().fold(0.0_f64, |top, r| top.max(*r));
-    let loading = rate.iter().rposition(|&r| r > SLOW * fastest).map_or(0, |last| last + 1);
-    // The means at the edge of the window reach past the loading.
-    let end = loading.saturating_sub(half);
+    rate.iter().rposition(|&r| r > SLOW * fastest).map_or(0, |last| last + 1)
+}
+
+/// Finds the time of equilibrium and the curve in it, in moments up to the end of the loading.
+fn equilibrium(reduced: &mut Reduced, tolerance: f64, half: usize, end: usize) {
+    let moments = &reduced.moments;
+    let smooth = |of: fn(&Moment) -> f64| smoothed(&moments.iter().map(of).collect::<Vec<_>>(), half);
+    let (front, back) = (smooth(|m| m.stress_incident_face), smooth(|m| m.stress_one_wave));
+    let imbalance: Vec<f64> = front.iter().zip(&back).map(|(f, b)| 2.0 * (f - b).abs() / (f + b).abs()).collect();
     let agree = longest(&imbalance[..end], tolerance);
     if (agree.len() as f64) < SHORTEST * end as f64 || agree.is_empty() {
         reduced.warnings.push(format!(
@@ -340,7 +351,8 @@ fn knots(settled: &[Moment], front: &[f64], back: &[f64]) -> Vec<Knot> {
     let faces = (squares / settled.len() as f64).sqrt();
     let range = |m: &Moment| (((m.strain - first) / (last - first) * KNOTS as f64) as usize).min(KNOTS - 1);
     let knot = |k: usize| {
-        let members: Vec<usize> = (0..settled.len()).filter(|&i| range(&settled[i]) == k).collect();
+        let loaded = |i: &usize| settled[*i].strain > 0.0 && settled[*i].stress > 0.0;
+        let members: Vec<usize> = (0..settled.len()).filter(loaded).filter(|&i| range(&settled[i]) == k).collect();
         let count = members.len() as f64;
         let mean = |of: &dyn Fn(usize) -> f64| members.iter().map(|&i| of(i)).sum::<f64>() / count;
         let stress = mean(&|i| settled[i].stress);
@@ -349,11 +361,27 @@ fn knots(settled: &[Moment], front: &[f64], back: &[f64]) -> Vec<Knot> {
         (members.len() > 1).then(|| Knot {
             strain: mean(&|i| settled[i].strain),
             stress,
-            half_width: (1.96 * scatter).hypot(faces),
+            half_width: (HALF_95 * scatter).hypot(faces),
             rate: mean(&|i| settled[i].rate),
         })
     };
     (0..KNOTS).filter_map(knot).collect()
+}
+
+/// Adds the standard errors of the zero offsets, incident and transmitted, to the intervals of the curve: that of the incident gauge
+/// moves the force of its face twice and leaves the strain, that of the other moves its force and, in time, the strain.
+fn add_offset_errors(reduced: &mut Reduced, errors: [f64; 2]) {
+    let (one, two) = (&reduced.setup.incident, &reduced.setup.transmitted);
+    let force = [one, two].map(|bar| bar.modulus * bar.area / reduced.setup.area);
+    let knots = reduced.curve.clone();
+    for (k, knot) in reduced.curve.iter_mut().enumerate() {
+        let (a, b) = (&knots[k.saturating_sub(1)], &knots[(k + 1).min(knots.len() - 1)]);
+        let slope = if b.strain > a.strain { (b.stress - a.stress) / (b.strain - a.strain) } else { 0.0 };
+        let time = reduced.moments.iter().find(|m| m.strain >= knot.strain).map_or(0.0, |m| m.time_s);
+        let strain = two.c0() * time / reduced.setup.length;
+        let [first, second] = [force[0] * errors[0], (0.5 * force[1] + slope * strain) * errors[1]];
+        knot.half_width = knot.half_width.hypot(HALF_95 * first.hypot(second));
+    }
 }
 
 #[cfg(test)]

@@ -46,11 +46,14 @@ pub struct Setup {
     pub area: f64,
 }
 
+/// Times (s, not decreasing) and strains of a gauge.
+pub type Record = (Vec<f64>, Vec<f64>);
+
 /// The records of both gauges.
 #[derive(Debug, Clone, Default)]
 pub struct Records {
-    /// Times (s, not decreasing) and strains at the incident bar's gauge.
-    pub incident: (Vec<f64>, Vec<f64>),
+    /// Of the gauge on the incident bar.
+    pub incident: Record,
     /// The same of the transmission bar's.
-    pub transmitted: (Vec<f64>, Vec<f64>),
+    pub transmitted: Record,
 }

@@ -1,0 +1,180 @@
+//! What a record holds before the pulse, and the incident pulse.
+
+use super::test_set::{Record, Records, Setup};
+use crate::error::{InputError, Result};
+use crate::study::invert::noise::Noise;
+
+/// A record without its zero offset.
+pub(super) struct Zeroed {
+    /// Times (s) and strains.
+    pub(super) record: Record,
+    /// Mean strain before the pulse, which is removed.
+    pub(super) offset: f64,
+    /// Its standard error.
+    pub(super) offset_error: f64,
+    /// Standard deviation of the strain about it before the pulse.
+    pub(super) noise: f64,
+    /// Before the pulse.
+    samples: usize,
+}
+
+/// The incident pulse at its gauge.
+pub(super) struct Pulse {
+    pub(super) sign: f64,
+    /// s.
+    pub(super) arrival: f64,
+    /// s.
+    pub(super) lasts: f64,
+}
+
+/// Part of the largest strain at which a pulse arrives and ends.
+const ARRIVES: f64 = 0.05;
+const ENDS: f64 = 0.1;
+
+/// Part of the largest strain that only a pulse has: offsets and noise are smaller.
+const RISEN: f64 = 0.25;
+
+/// Part of the time before a pulse that is free of its foot.
+const QUIET: f64 = 0.8;
+
+/// Part of the time to the reflected pulse in which the incident one is looked at: positions and speeds are not exact.
+const ALONE: f64 = 0.98;
+
+/// Part of that time over whose mean the incident pulse has ended.
+const LAST: f64 = 0.02;
+
+/// Fewest samples whose mean is a zero offset, and the part of the largest strain up to which fewer do.
+const FEWEST: usize = 10;
+const SMALL: f64 = 0.01;
+
+/// A pulse is seen in a single record where it is this many times the noise.
+const CLEAR: f64 = 8.0;
+
+/// The records without their zero offsets, incident and transmitted, and the incident pulse.
+pub(super) fn separate(setup: &Setup, records: &Records) -> Result<([Zeroed; 2], Pulse)> {
+    let (time, strain) = &records.incident;
+    let first = arrival(strain).ok_or_else(|| {
+        InputError::new("the gauge of the incident bar records no pulse")
+            .help("check the order and the units of the columns")
+    })?;
+    in_order(records, time[first])?;
+    let incident = Zeroed::until(&records.incident, time[first]);
+    incident.starts_before(strain)?;
+    let pulse = incident_pulse(setup, &incident.record, first)?;
+    let due = pulse.arrival + setup.incident.delay() + setup.transmitted.delay();
+    let transmitted = Zeroed::until(&records.transmitted, due);
+    Ok(([incident, transmitted], pulse))
+}
+
+impl Zeroed {
+    /// With the pulse at a time.
+    fn until((time, strain): &Record, pulse: f64) -> Self {
+        let start = time.first().copied().unwrap_or(0.0);
+        let samples = time.partition_point(|&t| t < start + QUIET * (pulse - start)).max(1).min(strain.len());
+        let quiet = &strain[..samples];
+        let offset = mean(quiet);
+        let noise = Noise::about(quiet, &vec![offset; samples]);
+        Self {
+            record: (time.clone(), strain.iter().map(|e| e - offset).collect()),
+            offset,
+            offset_error: noise.error_of_mean(),
+            noise: noise.rms(),
+            samples,
+        }
+    }
+
+    /// Refuses what is no zero offset of the incident gauge: a level of the pulse.
+    fn starts_before(&self, strain: &[f64]) -> Result<()> {
+        let largest = strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
+        let most = if self.samples < FEWEST { SMALL } else { RISEN };
+        if self.offset.abs() <= most * largest {
+            return Ok(());
+        }
+        let message = format!(
+            "the record of the incident bar starts at a strain of {:.2e}, and its largest is {largest:.2e}: it starts inside \
+             the pulse, or the zero of the gauge is far off",
+            self.offset
+        );
+        Err(InputError::new(message)
+            .allowed(format!("a start at up to {:.0} % of the largest strain", 100.0 * most))
+            .help("record from before the pulse on (pre-trigger), or subtract the zero offset")
+            .into())
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// The first row of the pulse: where the strain, on its way to what only a pulse has, leaves that of the start.
+fn arrival(strain: &[f64]) -> Option<usize> {
+    let mut quiet = (strain.len() / 100).clamp(1, 50).min(strain.len());
+    let mut first = None;
+    // The second time the offset is that of the whole quiet part.
+    for _ in 0..2 {
+        let offset = mean(&strain[..quiet]);
+        let largest = strain.iter().fold(0.0_f64, |top, e| top.max((e - offset).abs()));
+        let at_least = |part: f64| move |e: &f64| largest > 0.0 && (e - offset).abs() >= part * largest;
+        let risen = strain.iter().position(at_least(RISEN))?;
+        let before = strain[..risen].iter().rposition(|e| !at_least(ARRIVES)(e));
+        let row = before.map_or(0, |row| row + 1);
+        quiet = ((QUIET * row as f64) as usize).max(1);
+        first = Some(row);
+    }
+    first
+}
+
+/// Refuses a transmitted pulse that passes its gauge before the incident one does.
+fn in_order(records: &Records, incident: f64) -> Result<()> {
+    let (time, strain) = &records.transmitted;
+    let Some(row) = arrival(strain).filter(|_| is_clear(strain)) else { return Ok(()) };
+    if time[row] >= incident {
+        return Ok(());
+    }
+    let message = format!(
+        "the pulse of the transmission bar passes its gauge {:.1} us before the incident pulse passes the gauge of the \
+         incident bar",
+        1e6 * (incident - time[row])
+    );
+    let help = "the two columns (or the names of --gauges) are exchanged: the incident bar comes first";
+    Err(InputError::new(message).allowed("after it").help(help).into())
+}
+
+/// Whether a record holds more than noise: white noise of deviation s has differences between neighbours with a median of 0.954 s.
+fn is_clear(strain: &[f64]) -> bool {
+    let mut steps: Vec<f64> = strain.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    steps.sort_by(f64::total_cmp);
+    let noise = steps.get(steps.len() / 2).map_or(0.0, |step| step / 0.954);
+    let start = strain.first().copied().unwrap_or(0.0);
+    strain.iter().fold(0.0_f64, |top, e| top.max((e - start).abs())) > CLEAR * noise
+}
+
+/// The incident pulse, which must have ended when the reflected one arrives.
+fn incident_pulse(setup: &Setup, (time, strain): &Record, first: usize) -> Result<Pulse> {
+    let way = 2.0 * setup.incident.delay();
+    let until = |part: f64| time.partition_point(|&t| t < time[first] + part * way);
+    let alone = first..until(ALONE).max(first + 1);
+    let signed = strain[alone.clone()].iter().fold(0.0_f64, |top, &e| if e.abs() > top.abs() { e } else { top });
+    let last = alone.clone().rev().find(|&row| strain[row].abs() > ENDS * signed.abs()).unwrap_or(first);
+    let end = mean(&strain[until(ALONE - LAST).min(alone.end - 1)..alone.end]);
+    if end.abs() > ENDS * signed.abs() && alone.end < time.len() {
+        return Err(overlap(setup.incident.distance, way, end / signed).into());
+    }
+    Ok(Pulse { sign: signed.signum(), arrival: time[first], lasts: time[last] - time[first] })
+}
+
+fn overlap(distance: f64, way: f64, level: f64) -> InputError {
+    let message = format!(
+        "the incident pulse is longer than {:.1} us (then it is still at {:.0} % of its largest strain): the reflected pulse \
+         arrives at the gauge before it has passed, and the two cannot be separated",
+        1e6 * ALONE * way,
+        100.0 * level
+    );
+    let help = format!(
+        "move the gauge farther from the specimen than half the length of the pulse, or use a striker shorter than the \
+         {distance:.4} m between them"
+    );
+    InputError::new(message)
+        .allowed(format!("a pulse shorter than {:.1} us, twice the way from the gauge to the specimen", 1e6 * way))
+        .help(help)
+}

@@ -49,20 +49,40 @@ pub fn trial(scene: &Scene) -> Trial {
     let method = scene.solve.method;
     let tried = method.with_cells(method.cells().unwrap_or_default().min(MOST_CELLS));
     let start = follow(scene, tried);
-    let part = if start.ended {
-        1.0
-    } else {
-        let coarse = coarser(tried, &start).map(|coarse| follow(scene, coarse));
-        coarse.map_or(start.share(), |coarse| coarse.part(start.share()))
-    };
+    let whole = if start.ended { start.seconds() } else { extrapolated(scene, tried, &start) };
     let larger = method.cells().unwrap_or_default() as f64 / tried.cells().unwrap_or_default().max(1) as f64;
-    let mut seconds = larger.max(1.0).powi(2) * start.seconds() / part;
+    let mut seconds = larger.max(1.0).powi(2) * whole;
     if let Method::FrontTracking { event_budget, .. } = method {
         seconds = seconds.min(event_budget as f64 * start.seconds() / start.events.max(1) as f64);
     }
     let events = (start.ended && tried.cells().is_none()).then_some(start.events);
     let factor = if start.ended && larger <= 1.0 { WHOLE } else { EXTRAPOLATED };
     Trial { seconds: [seconds / factor, seconds * factor], events, share: start.share() }
+}
+
+/// Coarse runs that are tried until one of them comes to its end within [`LIMIT`].
+const COARSE_RUNS: usize = 4;
+
+/// The time of a run of which only the start was tried, s.
+fn extrapolated(scene: &Scene, tried: Method, start: &Course) -> f64 {
+    let Some((method, coarse)) = coarse_run(scene, tried, start) else { return start.seconds() / start.share() };
+    let by_start = start.seconds() / coarse.part(start.share());
+    let (Some(cells), Some(fewer)) = (tried.cells(), method.cells()) else { return by_start };
+    // The work of a grid goes with the square of the cells. Its start, when most cells are at rest, tells little of the time that it takes
+    // once waves are everywhere; the farther it goes, the more.
+    let by_cells = coarse.whole() * (cells as f64 / fewer as f64).powi(2);
+    by_start.powf(start.share()) * by_cells.powf(1.0 - start.share())
+}
+
+/// The coarse run of a scene: the first that comes to its end, or the last one tried.
+fn coarse_run(scene: &Scene, tried: Method, start: &Course) -> Option<(Method, Course)> {
+    let mut method = coarser(tried, start)?;
+    let mut course = follow(scene, method);
+    for _ in 1..COARSE_RUNS {
+        let Some(next) = (if course.ended { None } else { coarser(method, &course) }) else { break };
+        (method, course) = (next, follow(scene, next));
+    }
+    Some((method, course))
 }
 
 /// A method whose run takes about a half of [`LIMIT`], if that of `start` takes longer.
@@ -98,12 +118,17 @@ impl Course {
         if self.ended { 1.0 } else { self.points.last().map_or(0.0, |point| point[0]).max(f64::EPSILON) }
     }
 
+    /// The time of all of it, s: as it went on average, where it did not come to its end.
+    fn whole(&self) -> f64 {
+        self.seconds() / self.share()
+    }
+
     /// Part of its whole time that is spent when this share of the end time is reached. A run that did not come to its end is taken to go
     /// on as it went on average.
     fn part(&self, share: f64) -> f64 {
         let next = self.points.partition_point(|point| point[0] < share);
         let [before, after] = [next.wrapping_sub(1), next].map(|k| self.points.get(k));
-        let whole = self.seconds() / self.share();
+        let whole = self.whole();
         let at = match (before, after) {
             (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (share - a[0]) / (b[0] - a[0]),
             (None, Some(b)) => b[1] * share / b[0],

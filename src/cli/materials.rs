@@ -1,6 +1,6 @@
 //! `barwave materials`: the library and the source of each curve.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{output, settings};
 use crate::error::Result;
@@ -28,8 +28,15 @@ enum Action {
     /// Write a material file for a CSV file of strain and stress, and check it.
     Import(Box<import::Args>),
     /// Print the folders searched for material files.
-    #[command(after_help = "Examples:\n  barwave materials path")]
-    Path,
+    Path(PathArgs),
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  barwave materials path\n  barwave materials path --json")]
+struct PathArgs {
+    /// Print one JSON object and nothing else.
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Debug, clap::Args)]
@@ -56,7 +63,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         Some(Action::List(list_args)) => list(list_args.json),
         Some(Action::Show(show_args)) => show(show_args),
         Some(Action::Import(import_args)) => import::run(import_args),
-        Some(Action::Path) => path(),
+        Some(Action::Path(path_args)) => path(path_args),
     }
 }
 
@@ -231,9 +238,20 @@ fn branch(name: &str, curve: &Curve) -> String {
     format!("\n{name}: {} rows; {beyond}\n{}", rows.len(), output::table(&["strain", "stress MPa"], &rows, 0, false))
 }
 
-fn path() -> Result<()> {
+fn path(args: &PathArgs) -> Result<()> {
+    let folders = library::folders(Path::new("."));
+    if args.json {
+        let folder =
+            |folder: &PathBuf| serde_json::json!({ "folder": folder.display().to_string(), "exists": folder.is_dir() });
+        let variable = std::env::var_os(library::FOLDER_VARIABLE).filter(|v| !v.is_empty());
+        return output::json(&serde_json::json!({
+            "folders": folders.iter().map(folder).collect::<Vec<_>>(),
+            "variable": library::FOLDER_VARIABLE,
+            "value": variable.map(|v| v.to_string_lossy().into_owned()),
+        }));
+    }
     let mut text = String::new();
-    for folder in library::folders(Path::new(".")) {
+    for folder in folders {
         let state = if folder.is_dir() { "" } else { "  (does not exist)" };
         text += &[&folder.display().to_string(), state, "\n"].concat();
     }

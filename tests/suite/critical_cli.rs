@@ -146,6 +146,9 @@ fn materials_lists_shows_and_imports() {
     assert!(barwave(folder.path(), &["critical", "steel"]).status.success());
     let path = barwave(folder.path(), &["materials", "path"]);
     assert!(String::from_utf8_lossy(&path.stdout).contains("materials"));
+    let path = barwave(folder.path(), &["materials", "path", "--json"]);
+    let found: Value = serde_json::from_slice(&path.stdout).expect("JSON");
+    assert_eq!(found["folders"][0]["exists"], true, "{found:#}");
 }
 
 #[test]

@@ -154,10 +154,22 @@ fn cut_at_fracture(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> boo
     }) else {
         return false;
     };
+    let last = last_of_neck(&stress, last);
     let removed = rows.len() - last - 1;
     rows.truncate(last + 1);
     changes.push(format!("{} after the fracture removed (abrupt fall of the force)", count(removed)));
     true
+}
+
+/// The row, from `first` on, from which the force falls more abruptly than in the rows before `first`: in a neck between sparse rows it falls
+/// by as much from row to row as a fracture may, and these rows belong to the neck.
+fn last_of_neck(stress: &[f64], first: usize) -> usize {
+    let fall = |k: usize| stress[k] - stress[k + 1];
+    let mut before: Vec<f64> = (first.saturating_sub(2 * NEIGHBOURS)..first).map(|k| fall(k).abs()).collect();
+    let usual = FRACTURE_STEP * median(&mut before);
+    let end = stress.len() - 1;
+    let abrupt = (first..end).find(|&k| fall(k) > usual || fall(k) <= 0.0);
+    abrupt.filter(|&k| fall(k) > usual).unwrap_or(first)
 }
 
 /// Removes rows between the start of an unloading and the return to the strain of before.
@@ -244,6 +256,19 @@ mod tests {
             let cleaned = clean(&wrong);
             assert!(!cleaned.rows.contains(&wrong[place]), "{place}, {stress}: {:?}", cleaned.changes);
         }
+    }
+
+    /// In a neck between sparse rows the force fell by more than 1 % from row to row, and four rows were removed instead of two.
+    #[test]
+    fn a_neck_is_not_part_of_the_fracture() {
+        let mut record: Vec<(f64, f64)> = (0..300).map(|i| (1e-5 * f64::from(i), 1e6 * f64::from(i))).collect();
+        let neck = (0..40).map(f64::from).map(|i| (0.003 + 0.005 * i, 300e6 - 0.1e6 * i * i));
+        record.extend(neck);
+        let whole = record.clone();
+        let (strain, stress) = record[record.len() - 1];
+        record.extend([(strain + 1e-4, 0.3 * stress), (strain + 2e-4, 1e6)]);
+        let cleaned = clean(&record);
+        assert!(cleaned.fractured && cleaned.rows == whole, "{:?}", cleaned.changes);
     }
 
     #[test]

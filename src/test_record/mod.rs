@@ -5,6 +5,7 @@ mod decimate;
 mod fit;
 mod heading;
 mod local;
+mod maximum;
 mod modulus;
 mod noise;
 mod reduce;

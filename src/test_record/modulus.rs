@@ -55,11 +55,17 @@ pub struct ElasticLine {
     pub error: f64,
     /// Strain at zero stress.
     pub origin: f64,
-    /// Stresses between which it was fitted, Pa.
+    /// Stresses of the first and the last rows of the fit, Pa.
     #[serde(rename = "fitted_between_Pa")]
     pub between: [f64; 2],
     /// Rows of the fit.
     pub rows: usize,
+    /// Slopes in the lower and the upper half of a given range that differ by more than noise and some percent, Pa.
+    #[serde(rename = "slopes_of_halves_Pa", skip_serializing_if = "Option::is_none")]
+    pub bend: Option<[f64; 2]>,
+    /// Stress of the line in the middle of the fit, Pa.
+    #[serde(skip)]
+    pub(super) middle: f64,
     /// First row of the fit.
     #[serde(skip)]
     pub(super) from: usize,
@@ -103,17 +109,52 @@ pub(super) fn elastic_line(
         Some([low, high]) => candidate(rows, variances, level(rows, low), level(rows, high))?,
         None => search(rows, variances, largest)?,
     };
-    let on_line = extend(rows, variances, &best, largest);
+    let end = extend(rows, variances, &best, largest);
     let origin = best.mean - best.fit.a / best.fit.b;
+    let ends = [best.from, best.to - 1];
+    let on_line = ends.map(|row| best.fit.at(rows[row].0 - best.mean));
+    // Where rows are not straight those of the fit lie off its line.
+    let between = if range.is_some() { ends.map(|row| near(rows, row)) } else { on_line };
     Some(ElasticLine {
         slope: best.fit.b,
         error: best.error,
         origin,
-        between: [best.from, best.to - 1].map(|row| best.fit.at(rows[row].0 - best.mean)),
+        between,
         rows: best.to - best.from,
+        bend: range.and_then(|_| bend(rows, variances, &best)),
+        middle: 0.5 * (on_line[0] + on_line[1]),
         from: best.from,
-        end: if range.is_some() { best.to } else { on_line },
+        end: if range.is_some() { best.to } else { end },
     })
+}
+
+/// The mean stress of a row and two neighbours on either side, Pa.
+fn near(rows: &[(f64, f64)], row: usize) -> f64 {
+    let five = &rows[row.saturating_sub(2)..(row + 3).min(rows.len())];
+    five.iter().map(|row| row.1).sum::<f64>() / five.len() as f64
+}
+
+/// Slopes of the halves of a straight part differ by less than this part of the larger one ...
+const SAME_SLOPE: f64 = 0.05;
+
+/// ... or than so many standard errors.
+const SAME_SLOPE_ERRORS: f64 = 3.0;
+
+/// The slopes of the lower and the upper half of an interval, where they differ: it holds a part of the toe or of the knee.
+fn bend(rows: &[(f64, f64)], variances: Variances<'_>, whole: &Candidate) -> Option<[f64; 2]> {
+    let middle = usize::midpoint(whole.from, whole.to);
+    let half = |from: usize, to: usize| {
+        let part = rows.get(from..to).filter(|part| part.len() >= FEWEST / 2)?;
+        let count = part.len() as f64;
+        let mean = part.iter().map(|row| row.0).sum::<f64>() / count;
+        let points = part.iter().map(|&(e, s)| (e - mean, s, 1.0));
+        let spread: f64 = points.clone().map(|(x, _, _)| x * x).sum();
+        let noise = variances.noise[from..to].iter().sum::<f64>() / count;
+        Some((line(points)?.b, noise / spread))
+    };
+    let ((lower, a), (upper, b)) = (half(whole.from, middle)?, half(middle, whole.to)?);
+    let limit = (SAME_SLOPE * lower.max(upper)).max(SAME_SLOPE_ERRORS * (a + b).sqrt());
+    ((lower - upper).abs() > limit).then_some([lower, upper])
 }
 
 /// The first row from which the mean of five rows is at least this stress.

@@ -5,8 +5,8 @@ use serde::Serialize;
 use super::clean::{clean, count};
 use super::decimate::decimate;
 use super::modulus::{ElasticLine, Variances, elastic_line};
-use super::smooth::{Smooth, smooth};
-use super::{modulus, noise};
+use super::smooth::{FLOOR, Smooth, smooth};
+use super::{maximum, modulus, noise};
 use crate::error::InputError;
 
 /// How a record is reduced.
@@ -93,7 +93,7 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
     let Some(line) = line else { return Err(no_line(how)) };
     let (modulus, start) = correct(&mut rows, &line, how, &mut changes)?;
     let mean_noise = (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();
-    let curve = whole_curve((&rows, &variances, largest), start, modulus, how.window);
+    let mut curve = whole_curve((&rows, &variances, largest), start, modulus, how.window);
     changes.push(format!(
         "{} between strain {:.5} and {:.5} smoothed by local quadratic regression (noise {:.3} MPa)",
         count(rows.len() - start),
@@ -101,19 +101,20 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
         rows[rows.len() - 1].0,
         mean_noise / 1e6
     ));
+    let past = (start + 1).min(rows.len() - 1);
+    changes.extend(end_rising(&mut curve, &rows[past..], &variances[past..], FLOOR * largest));
     let knots = decimate(&curve, how.tolerance);
     changes.push(format!(
         "{} points kept: within {} % of the largest stress and of the velocity of each segment",
         knots.len(),
         decimal(100.0 * how.tolerance)
     ));
-    let top = knots.iter().copied().fold((0.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
     Ok(Reduction {
         rows: record.len(),
         line,
         modulus,
         proof_stress: proof_stress(&curve, modulus),
-        maximum: top,
+        maximum: top(&knots),
         fracture: cleaned.fractured.then(|| knots[knots.len() - 1]),
         noise: mean_noise,
         knots: rounded(&knots, modulus),
@@ -142,9 +143,16 @@ fn correct(
 ) -> Result<(f64, usize), InputError> {
     let modulus = how.modulus.unwrap_or_else(|| six_digits(line.slope));
     let ratio = line.slope / modulus;
-    if ratio > 1.0 + SAME_SLOPE.max(3.0 * line.error / line.slope) {
-        let message = format!("the record has a slope of {:.4} GPa, more than the modulus", line.slope / 1e9);
-        let error = InputError::new(message).key("--modulus").allowed(format!("up to {:.4} GPa", line.slope / 1e9));
+    let most = 1.0 + SAME_SLOPE.max(3.0 * line.error / line.slope);
+    if ratio > most {
+        let message = format!(
+            "{:.4} GPa is less than the slope of the record, {:.4} +- {:.4} GPa",
+            modulus / 1e9,
+            line.slope / 1e9,
+            line.error / 1e9
+        );
+        let least = (line.slope / most / 1e5).ceil() / 1e4;
+        let error = InputError::new(message).key("--modulus").allowed(format!("at least {least} GPa"));
         return Err(error.help("check the gauge length, the units and the modulus"));
     }
     if how.modulus.is_none() && line.error > UNCERTAIN * line.slope {
@@ -153,8 +161,15 @@ fn correct(
             "the modulus is uncertain by {error:.1} % (ASTM E111 allows 2 %): give a better one with --modulus"
         ));
     }
-    let middle = 0.5 * (line.between[0] + line.between[1]);
-    let (mut last, mut through, mut compliance) = (line.end - 1, middle, 0.0);
+    if let Some([lower, upper]) = line.bend {
+        changes.push(format!(
+            "the rows of the elastic range are not on one line, their slope is {:.3} GPa in its lower half and {:.3} GPa in its upper one: \
+             name a narrower --elastic-range, without toe and knee",
+            lower / 1e9,
+            upper / 1e9
+        ));
+    }
+    let (mut last, mut through, mut compliance) = (line.end - 1, line.middle, 0.0);
     if how.compliance {
         compliance = 1.0 / line.slope - 1.0 / modulus;
         changes.push(format!(
@@ -181,6 +196,25 @@ fn correct(
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     Ok((modulus, last.max(rows.partition_point(|row| row.0 <= 0.0))))
+}
+
+/// A curve with a largest stress inside that noise explains rises to its end. Returns a sentence where it was changed.
+fn end_rising(curve: &mut Vec<(f64, f64)>, rows: &[(f64, f64)], variances: &[f64], floor: f64) -> Option<String> {
+    let (last, (strain, stress)) = (*curve.last()?, top(curve));
+    if stress <= last.1 || maximum::falls(rows, variances, floor) {
+        return None;
+    }
+    let start = maximum::rising_end(curve, rows, variances)?;
+    Some(format!(
+        "no largest stress before the end: the fall by {:.3} MPa from strain {strain:.5} on is within the noise; from strain {start:.5} on \
+         the curve is the line of least squares to the end of the record",
+        (stress - last.1) / 1e6
+    ))
+}
+
+/// The point of the largest stress, the first of equal ones.
+fn top(curve: &[(f64, f64)]) -> (f64, f64) {
+    curve.iter().copied().fold((0.0, 0.0), |a, b| if b.1 > a.1 { b } else { a })
 }
 
 /// A fall of the stress past the elastic line by more than so many standard deviations of the noise, and by more than this part of it, is
@@ -243,12 +277,12 @@ fn decimal(value: f64) -> String {
 }
 
 /// A modulus in as many digits as it is known in, so that files stay readable.
-fn six_digits(value: f64) -> f64 {
+pub(super) fn six_digits(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// Knots in steps of 100 Pa and 1e-9; the second one stays on the elastic line.
-fn rounded(knots: &[(f64, f64)], modulus: f64) -> Vec<(f64, f64)> {
+pub(super) fn rounded(knots: &[(f64, f64)], modulus: f64) -> Vec<(f64, f64)> {
     let mut rows: Vec<(f64, f64)> = Vec::new();
     for (k, &(strain, stress)) in knots.iter().enumerate() {
         let stress = (stress / 100.0).round() * 100.0;

@@ -21,7 +21,7 @@ const PRECISION: f64 = 1e-3;
 const PARABOLA: f64 = 1.9;
 
 /// Differences below this part of the largest stress are none.
-const FLOOR: f64 = 2e-4;
+pub(super) const FLOOR: f64 = 2e-4;
 
 /// Strains at which the curve is evaluated grow by this factor, from the end of the elastic line.
 const STEP: f64 = 1.03;

@@ -10,7 +10,9 @@ use serde::Serialize;
 use super::output;
 use crate::destination;
 use crate::error::{Error, InputError, Result};
-use crate::material::{self, Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve};
+use crate::material::{
+    self, Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve, mean_modulus,
+};
 use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, confirm};
 use crate::study::critical::{CriticalRow, critical};
 use crate::study::sensitivity::{Interval, sensitivity};
@@ -54,10 +56,10 @@ pub(crate) struct Args {
     /// Length of the bar with --rate or --heat, e.g. "200 mm" (default: 200 mm).
     #[arg(long)]
     length: Option<Quantity>,
-    /// Resamples of the bootstrap, 100 to 1000000, for materials with the scatter of several tests.
+    /// Specimens that are drawn, 100 to 1000000, for materials with a band of one standard deviation.
     #[arg(long, value_name = "N", default_value_t = 2000)]
     bootstrap: usize,
-    /// Seed of the bootstrap.
+    /// Seed of these specimens.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Write the table to a .csv file; `-` is standard output.
@@ -142,7 +144,7 @@ const LENGTH: f64 = 0.2;
 
 fn checked(args: &Args) -> Result<Checked> {
     if !(100..=1_000_000).contains(&args.bootstrap) {
-        let error = InputError::new(format!("{} resamples are out of range", args.bootstrap)).key("--bootstrap");
+        let error = InputError::new(format!("{} specimens are out of range", args.bootstrap)).key("--bootstrap");
         return Err(error.allowed("100 <= N <= 1000000").help("e.g. --bootstrap 2000").into());
     }
     let wrong = |message: String| {
@@ -215,9 +217,10 @@ fn mean_of(materials: &[Material]) -> Result<Material> {
         curve: m.tension.clone(),
     };
     let tests: Vec<TestCurve> = materials.iter().map(test).collect();
-    let (modulus, rows) = mean_curve(&tests.iter().collect::<Vec<_>>());
-    let ruptures = materials.iter().all(|m| m.tension.ultimate().is_some());
-    let beyond = if ruptures { material::Beyond::Rupture } else { materials[0].tension.beyond() };
+    let modulus = mean_modulus(&tests);
+    let rows = mean_curve(&tests, modulus);
+    let reach_largest = tests.iter().any(|test| !test.stopped_while_rising());
+    let beyond = if reach_largest { material::Beyond::Rupture } else { materials[0].tension.beyond() };
     let curve = Curve::new(&rows, beyond).map_err(|e| InputError::new(format!("the mean curve: {e}")))?;
     let density = materials.iter().map(|m| m.density).sum::<f64>() / materials.len() as f64;
     let mut mean = Material::from_curve(format!("mean of {}", materials.len()), density, curve);

@@ -11,6 +11,7 @@ mod heating;
 mod keys;
 mod laws;
 pub mod library;
+mod mean_curve;
 mod plausible;
 mod rate;
 mod raw;
@@ -30,10 +31,11 @@ pub use file::{read, resolve};
 pub use formula::{Formula, Law};
 pub use heat_constants::HeatConstants;
 pub use heating::{DEFAULT_FRACTION, Heating, HeatingError, WorkTable};
+pub use mean_curve::{mean_curve, mean_modulus};
 pub use rate::Rate;
 pub(crate) use rate::{RateModel, RawRate, TEMPERATURE};
 pub use raw::RawMaterial;
-pub use scatter::{Scatter, TestCurve, mean_curve};
+pub use scatter::{Scatter, TestCurve};
 pub use tabulate::{
     Tabulate, Tabulated, engineering_from_true, tabulate_law, tabulate_true_rows, true_from_engineering,
 };

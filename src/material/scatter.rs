@@ -42,6 +42,13 @@ impl Scatter {
     }
 }
 
+impl TestCurve {
+    /// The test stopped while its stress rose: its data hold neither a largest stress nor a fracture.
+    pub fn stopped_while_rising(&self) -> bool {
+        self.curve.ultimate().is_none()
+    }
+}
+
 /// Straight between points of increasing x, constant outside; 0 without points.
 fn interpolate(points: &[(f64, f64)], x: f64) -> f64 {
     let upper = points.partition_point(|point| point.0 <= x);
@@ -98,64 +105,4 @@ fn table(rows: &[TableRow], name: &str, unit: f64, keys: Keys<'_>) -> Result<Vec
         Ok((e, if matches!(stress.get_ref(), Quantity::Number(_)) { s * unit } else { s }))
     };
     rows.iter().enumerate().map(row).collect()
-}
-
-/// Points of the mean curve up to the largest stress, and past it.
-const BEFORE_MAXIMUM: u32 = 160;
-const PAST_MAXIMUM: u32 = 40;
-
-/// The mean of the curves of several tests (at least one): modulus, Pa, and rows (strain, stress in Pa) from the elastic limit on.
-///
-/// Plastic strain and stress are averaged at equal fractions of the plastic strain at the largest stress, and past it at equal fractions of
-/// the way to the last row, so that tests which neck at different strains do not blunt the maximum of the mean.
-pub fn mean_curve(tests: &[&TestCurve]) -> (f64, Vec<(f64, f64)>) {
-    let flows: Vec<Flow> = tests.iter().map(|test| Flow::of(test)).collect();
-    let count = tests.len() as f64;
-    let modulus = tests.iter().map(|test| test.modulus).sum::<f64>() / count;
-    let before = (0..=BEFORE_MAXIMUM).map(|i| (f64::from(i) / f64::from(BEFORE_MAXIMUM)).powi(3));
-    let past = (1..=PAST_MAXIMUM).map(|i| 1.0 + f64::from(i) / f64::from(PAST_MAXIMUM));
-    let mut rows: Vec<(f64, f64)> = Vec::new();
-    for t in before.chain(past) {
-        let (p, s) = flows.iter().map(|flow| flow.at(t)).fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
-        let strain = p / count + s / count / modulus;
-        // Strains closer than this would have slopes of rounding.
-        if rows.last().is_none_or(|last: &(f64, f64)| strain > last.0 * (1.0 + 1e-9)) {
-            rows.push((strain, s / count));
-        }
-    }
-    (modulus, rows)
-}
-
-/// Stress against plastic strain, which never falls, from the elastic limit on.
-struct Flow {
-    points: Vec<(f64, f64)>,
-    top: f64,
-    last: f64,
-}
-
-impl Flow {
-    fn of(test: &TestCurve) -> Self {
-        let limit = test.curve.elastic_limit(test.modulus);
-        let mut points = vec![(0.0, limit.1)];
-        let mut top = (0.0, limit.1);
-        for (&strain, &stress) in test.curve.strain().iter().zip(test.curve.stress()).filter(|knot| *knot.0 > limit.0) {
-            let p = (strain - stress / test.modulus).max(points[points.len() - 1].0);
-            points.push((p, stress));
-            if stress > top.1 {
-                top = (p, stress);
-            }
-        }
-        let last = points[points.len() - 1].0;
-        Self { points, top: top.0, last }
-    }
-
-    /// Plastic strain and stress at a fraction of the way: 0 to 1 up to the largest stress, 1 to 2 from there to the last row.
-    fn at(&self, t: f64) -> (f64, f64) {
-        let p = if t <= 1.0 { t * self.top } else { self.top + (t - 1.0) * (self.last - self.top) };
-        if t == 1.0 {
-            let largest = self.points.iter().map(|point| point.1).fold(0.0, f64::max);
-            return (p, largest);
-        }
-        (p, interpolate(&self.points, p))
-    }
 }

@@ -1,20 +1,20 @@
 //! The uncertainty of a critical velocity from the scatter of repeated tests.
 
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_xorshift::XorShiftRng;
 use rayon::prelude::*;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::moments::moments;
 use super::random::standard_normal;
-use crate::material::{Beyond, Curve, Material, Scatter, Sense, TestCurve, mean_curve};
+use crate::material::{Beyond, Curve, Material, Scatter, Sense, TestCurve};
 use crate::wave::similarity;
 
-/// How the bootstrap is carried out.
+/// How specimens are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bootstrap {
-    /// Resamples.
+    /// Specimens.
     pub resamples: usize,
     /// Seed of the random numbers; the result does not depend on the number of threads.
     pub seed: u64,
@@ -32,30 +32,29 @@ pub struct OfTest {
 /// The critical velocity with its scatter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Uncertainty {
-    /// "tests" where the curves of tests are resampled, "deviation" where the curve is moved by its standard deviation.
+    /// "tests" where there are curves of tests, "deviation" where the curve is moved by its standard deviation.
     pub basis: &'static str,
     /// The tests; empty for a deviation.
     pub tests: Vec<OfTest>,
-    /// Mean of the tests, or of the moved curves, m/s.
-    pub mean_m_s: f64,
-    /// Standard deviation of single specimens, m/s.
-    pub standard_deviation_m_s: f64,
-    /// 95 % interval, m/s: of the critical velocity of the mean curve for tests (at least 3), of that of a specimen for a deviation.
+    /// Mean of the tests, or of the moved curves, m/s; none where fewer than two have a critical velocity.
+    pub mean_m_s: Option<f64>,
+    /// Standard deviation of single specimens, m/s; none where fewer than two have a critical velocity.
+    pub standard_deviation_m_s: Option<f64>,
+    /// 95 % interval, m/s: Student's t interval of the mean for tests (at least 3), of a specimen for a deviation.
     pub interval_95_m_s: Option<[f64; 2]>,
-    /// Resamples.
-    pub resamples: usize,
-    /// Seed.
-    pub seed: u64,
+    /// Specimens drawn; none for tests.
+    pub resamples: Option<usize>,
+    /// Seed of the random numbers; none for tests.
+    pub seed: Option<u64>,
 }
 
-/// Fewest tests that have an interval.
-const FEWEST: usize = 3;
+/// Fewest tests with a critical velocity that have an interval.
+pub const FEWEST: usize = 3;
 
 /// Parts of a distribution outside its 95 % interval, on each side.
 const TAIL: f64 = 0.025;
 
-/// The uncertainty of the critical velocity of a material by its scatter; none without scatter, in the other sense, or where fewer than two
-/// of the tests have a critical velocity.
+/// The uncertainty of the critical velocity of a material by its scatter; none without scatter, or in the other sense.
 pub fn uncertainty(material: &Material, sense: Sense, how: Bootstrap) -> Option<Uncertainty> {
     let scatter = material.scatter.as_deref()?;
     if sense == Sense::Compression && material.compression.is_some() {
@@ -64,36 +63,38 @@ pub fn uncertainty(material: &Material, sense: Sense, how: Bootstrap) -> Option<
     if scatter.tests.is_empty() {
         of_deviation(material.branch(sense), material.density, scatter, how)
     } else {
-        of_tests(&scatter.tests, material.density, how)
+        Some(of_tests(&scatter.tests, material.density))
     }
 }
 
-/// Tests are drawn with replacement; the statistic is the critical velocity of their mean curve. The percentiles are widened for few tests
-/// so that for normal scatter they are those of Student's t (Hesterberg, The American Statistician 69, 2015, 371-386).
-fn of_tests(tests: &[TestCurve], density: f64, how: Bootstrap) -> Option<Uncertainty> {
-    let own = |test: &TestCurve| test.density.unwrap_or(density);
-    let velocity = |test: &TestCurve| similarity::critical(&test.curve, own(test)).map(|c| c.velocity);
-    let each: Vec<Option<f64>> = tests.iter().map(velocity).collect();
-    let usable: Vec<&TestCurve> = tests.iter().zip(&each).filter(|(_, v)| v.is_some()).map(|(test, _)| test).collect();
-    let values: Vec<f64> = each.iter().flatten().copied().collect();
-    let (mean, deviation) = moments(values.iter().copied())?;
-    let resampled = || {
-        resample(how, |rng| {
-            let drawn: Vec<&TestCurve> = usable.iter().map(|_| usable[rng.random_range(0..usable.len())]).collect();
-            of_rows(&mean_curve(&drawn).1, density)
-        })
+/// Mean, standard deviation and Student's t interval of the critical velocities of the tests. Resampling few tests, which see only part of
+/// the scatter, has too narrow an interval: that of three tests holds the mean in four cases of five.
+fn of_tests(tests: &[TestCurve], density: f64) -> Uncertainty {
+    let of_test = |test: &TestCurve| OfTest {
+        record: test.record.clone(),
+        critical_velocity_m_s: similarity::critical(&test.curve, test.density.unwrap_or(density)).map(|c| c.velocity),
     };
-    let interval = (usable.len() >= FEWEST).then(|| interval(resampled(), widened_tail(usable.len()))).flatten();
-    let named = tests.iter().zip(&each);
-    Some(Uncertainty {
+    let tests: Vec<OfTest> = tests.iter().map(of_test).collect();
+    let values: Vec<f64> = tests.iter().filter_map(|test| test.critical_velocity_m_s).collect();
+    let (mean, deviation) = moments(values.iter().copied()).unzip();
+    let interval = mean.zip(deviation).filter(|_| values.len() >= FEWEST).map(|(mean, deviation)| {
+        let half = students_t(values.len() - 1) * deviation / (values.len() as f64).sqrt();
+        [mean - half, mean + half]
+    });
+    Uncertainty {
         basis: "tests",
-        tests: named.map(|(t, v)| OfTest { record: t.record.clone(), critical_velocity_m_s: *v }).collect(),
+        tests,
         mean_m_s: mean,
         standard_deviation_m_s: deviation,
         interval_95_m_s: interval,
-        resamples: how.resamples,
-        seed: how.seed,
-    })
+        resamples: None,
+        seed: None,
+    }
+}
+
+/// The 97.5 % quantile of Student's t.
+fn students_t(degrees: usize) -> f64 {
+    StudentsT::new(0.0, 1.0, degrees as f64).map_or(f64::INFINITY, |student| student.inverse_cdf(1.0 - TAIL))
 }
 
 /// The whole curve is moved by a normally distributed multiple of its standard deviation, the same at all strains.
@@ -108,11 +109,11 @@ fn of_deviation(curve: &Curve, density: f64, scatter: &Scatter, how: Bootstrap) 
     Some(Uncertainty {
         basis: "deviation",
         tests: Vec::new(),
-        mean_m_s: mean,
-        standard_deviation_m_s: deviation,
+        mean_m_s: Some(mean),
+        standard_deviation_m_s: Some(deviation),
         interval_95_m_s: interval(moved, TAIL),
-        resamples: how.resamples,
-        seed: how.seed,
+        resamples: Some(how.resamples),
+        seed: Some(how.seed),
     })
 }
 
@@ -128,13 +129,6 @@ fn resample(how: Bootstrap, draw: impl Fn(&mut XorShiftRng) -> Option<f64> + Syn
         draw(&mut XorShiftRng::seed_from_u64(how.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(k as u64)))
     };
     (0..how.resamples).into_par_iter().filter_map(one).collect()
-}
-
-/// The part of the bootstrap distribution outside the interval of `count` tests, on each side.
-fn widened_tail(count: usize) -> f64 {
-    let degrees = (count - 1) as f64;
-    let (Ok(student), Ok(normal)) = (StudentsT::new(0.0, 1.0, degrees), Normal::new(0.0, 1.0)) else { return TAIL };
-    normal.cdf((count as f64 / degrees).sqrt() * student.inverse_cdf(TAIL))
 }
 
 /// The values between which all but a part `tail` on each side lies.
@@ -154,12 +148,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn few_tests_have_wider_percentiles() {
-        // t(0.975, 4) = 2.7764 and t(0.975, 19) = 2.0930: the normal distribution has 0.00095 and 0.0159 below
-        // -2.7764 sqrt(5/4) and -2.0930 sqrt(20/19).
-        assert!((widened_tail(5) - 0.00095).abs() < 1e-5, "{}", widened_tail(5));
-        assert!((widened_tail(20) - 0.0159).abs() < 1e-4, "{}", widened_tail(20));
-        assert!((widened_tail(10_000) - TAIL).abs() < 1e-4);
+    fn the_interval_of_few_tests_is_that_of_students_t() {
+        // t(0.975, 2) = 4.30265, t(0.975, 4) = 2.77645.
+        for (degrees, expected) in [(2, 4.302_65), (4, 2.776_45)] {
+            assert!((students_t(degrees) / expected - 1.0).abs() < 1e-5, "{degrees}: {}", students_t(degrees));
+        }
+        let test = |scale: f64| TestCurve {
+            record: "a".into(),
+            modulus: 200e9,
+            curve: Curve::new(&[(0.001, 200e6), (0.1 * scale, 300e6)], Beyond::Rupture).expect("a curve"),
+        };
+        let found = of_tests(&[test(0.9), test(1.0), test(1.1)], 8000.0);
+        let (mean, deviation) = found.mean_m_s.zip(found.standard_deviation_m_s).expect("three tests");
+        let [low, high] = found.interval_95_m_s.expect("three tests");
+        assert!((0.5 * (low + high) / mean - 1.0).abs() < 1e-12);
+        assert!((0.5 * (high - low) / (4.302_65 * deviation / 3.0_f64.sqrt()) - 1.0).abs() < 1e-5);
+        let open = Curve::new(&[(0.001, 200e6), (0.1, 300e6)], Beyond::Error).expect("a curve");
+        let stopped = TestCurve { curve: open, ..test(1.0) };
+        let found = of_tests(&[test(1.0), stopped], 8000.0);
+        assert!(found.tests.len() == 2 && found.mean_m_s.is_none() && found.interval_95_m_s.is_none(), "{found:?}");
     }
 
     #[test]
@@ -170,7 +177,8 @@ mod tests {
         material.scatter = Some(Box::new(Scatter { deviation, tests: Vec::new() }));
         let found = uncertainty(&material, Sense::Tension, Bootstrap { resamples: 4000, seed: 7 }).expect("scatter");
         let velocity = similarity::critical(&material.tension, 8000.0).expect("critical").velocity;
-        assert!((found.standard_deviation_m_s / velocity / 0.02 - 1.0).abs() < 0.05, "{found:?}");
+        let deviation = found.standard_deviation_m_s.expect("scatter");
+        assert!((deviation / velocity / 0.02 - 1.0).abs() < 0.05, "{found:?}");
         let [low, high] = found.interval_95_m_s.expect("an interval");
         // Of sqrt(1 + 0.04 z) with z = -1.96 and 1.96.
         assert!((low / velocity / 0.9600 - 1.0).abs() < 4e-3 && (high / velocity / 1.0385 - 1.0).abs() < 4e-3);

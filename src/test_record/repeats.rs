@@ -1,20 +1,27 @@
 //! One curve with a band from several repeats of one test.
 
 use super::decimate::decimate;
-use super::reduce::Reduction;
+use super::reduce::{Reduction, rounded, six_digits};
 use crate::error::InputError;
-use crate::material::{Beyond, Curve, Scatter, TestCurve, mean_curve};
+use crate::material::{Beyond, Curve, Scatter, TestCurve, mean_curve, mean_modulus};
 
 /// The mean of several tests and their scatter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Repeats {
     /// Mean modulus, Pa.
     pub modulus: f64,
-    /// (strain, stress in Pa) of the mean curve, from the end of its elastic line on.
+    /// (strain, stress in Pa) of the mean curve from the origin, the second one the end of the elastic line.
     pub knots: Vec<(f64, f64)>,
+    /// What happens past the last knot: all tests that reached it broke there, or nothing is known.
+    pub beyond: Beyond,
+    /// One sentence for each test that does not reach as far as the mean.
+    pub notes: Vec<String>,
     /// What `[band]` of the material file holds.
     pub scatter: Scatter,
 }
+
+/// The knots of the mean are so many times nearer to it than those of a test are to its record: they add little to what those have lost.
+const FINER: f64 = 4.0;
 
 /// Combines reduced records (name, reduction). `tolerance` is that of the knots, over the largest stress.
 ///
@@ -27,10 +34,30 @@ pub fn combine(tests: &[(String, Reduction)], tolerance: f64) -> Result<Repeats,
         Ok(TestCurve { record: record.clone(), modulus: reduction.modulus, density: None, curve })
     };
     let tests = tests.iter().map(curve).collect::<Result<Vec<_>, InputError>>()?;
-    let (modulus, rows) = mean_curve(&tests.iter().collect::<Vec<_>>());
-    let knots = decimate(&rows, tolerance);
+    let modulus = six_digits(mean_modulus(&tests));
+    let rows: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(mean_curve(&tests, modulus)).collect();
+    let knots = rounded(&decimate(&rows, tolerance / FINER), modulus);
+    let reached: Vec<&TestCurve> = tests.iter().filter(|test| !test.stopped_while_rising()).collect();
+    let all_broke = !reached.is_empty() && reached.iter().all(|test| test.curve.beyond() == Beyond::Rupture);
+    let beyond = if all_broke { Beyond::Rupture } else { Beyond::Error };
+    let notes = stopped(&tests);
     let deviation = deviation(&tests, &knots);
-    Ok(Repeats { modulus, knots, scatter: Scatter { deviation, tests } })
+    Ok(Repeats { modulus, knots, beyond, notes, scatter: Scatter { deviation, tests } })
+}
+
+/// What the tests that stopped while their stress rose take part in.
+fn stopped(tests: &[TestCurve]) -> Vec<String> {
+    let of = |test: &TestCurve| {
+        let (record, strain) = (&test.record, test.curve.last_strain());
+        format!(
+            "{record} ends at strain {strain:.5} while its stress rises: past it the mean curve goes on by the mean increment of the \
+             other tests"
+        )
+    };
+    let some = tests.iter().any(|test| !test.stopped_while_rising());
+    let longest = tests.iter().map(|test| test.curve.last_strain()).fold(0.0, f64::max);
+    let ends = |test: &&TestCurve| test.stopped_while_rising() && (some || test.curve.last_strain() < longest);
+    tests.iter().filter(ends).map(of).collect()
 }
 
 /// Standard deviation of the stress at the strains of the knots, as far as all tests go.
@@ -43,5 +70,5 @@ fn deviation(tests: &[TestCurve], knots: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let square = stresses.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
         (strain, (square.sqrt() / 100.0).round() * 100.0)
     };
-    knots.iter().map(|knot| knot.0).filter(|strain| *strain <= shortest).map(at).collect()
+    knots.iter().map(|knot| knot.0).filter(|strain| *strain > 0.0 && *strain <= shortest).map(at).collect()
 }

@@ -45,7 +45,7 @@ impl MaterialText<'_> {
         line("description", quote(self.description));
         line("density", number(self.density));
         if let Some(modulus) = self.modulus {
-            line("modulus", quote(&format!("{} GPa", decimal(modulus / 1e9))));
+            line("modulus", quote(&format!("{} GPa", exact(modulus / 1e9))));
         }
         line("measure", quote(if self.measure == Measure::True { "true" } else { "engineering" }));
         line("sense", quote(self.sense.name()));
@@ -78,7 +78,7 @@ fn band(scatter: &Scatter) -> String {
             text,
             "\n[[band.test]]\nrecord = {}\nmodulus = {}\nbeyond = {}\ntable = [\n{}]\n",
             quote(&test.record),
-            quote(&format!("{} GPa", decimal(test.modulus / 1e9))),
+            quote(&format!("{} GPa", exact(test.modulus / 1e9))),
             quote(beyond(test.curve.beyond())),
             table(&rows)
         );
@@ -96,6 +96,13 @@ fn table(rows: &[(f64, f64)]) -> String {
 /// A number with at most ten significant digits, so that the rounding of a unit does not show.
 fn decimal(value: f64) -> String {
     format!("{value:.9e}").parse::<f64>().unwrap_or(value).to_string()
+}
+
+/// A modulus in as many digits as it has, since no slope of the rows may be above it; without the rounding of a unit.
+fn exact(value: f64) -> String {
+    let rounded = |digits: usize| format!("{value:.digits$e}").parse::<f64>().ok();
+    let same = |rounded: &f64| (rounded / value - 1.0).abs() <= 2.0 * f64::EPSILON;
+    (9..16).filter_map(rounded).find(same).unwrap_or(value).to_string()
 }
 
 fn beyond(beyond: Beyond) -> &'static str {

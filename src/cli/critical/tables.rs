@@ -7,7 +7,7 @@ use super::Studied;
 use crate::cli::output;
 use crate::study::bracket::{Apparent, Confirmation};
 use crate::study::sensitivity::Interval;
-use crate::study::uncertainty::Uncertainty;
+use crate::study::uncertainty::{FEWEST, Uncertainty};
 
 const MPA: f64 = 1e6;
 const PERCENT: f64 = 0.01;
@@ -62,27 +62,51 @@ fn details(s: &Studied) -> String {
 }
 
 fn scatter(name: &str, u: &Uncertainty) -> String {
-    let tests: Vec<String> = u
-        .tests
-        .iter()
-        .map(|t| format!("  {:<24}{:>8} m/s\n", t.record, output::fixed(t.critical_velocity_m_s, 2)))
-        .collect();
-    let (what, of) = match u.basis {
-        "tests" => (format!("{} tests", u.tests.len()), "critical velocity of the mean curve"),
-        _ => ("band of one standard deviation of the stress".into(), "critical velocity of a specimen"),
+    let what = match u.basis {
+        "tests" => format!("{} tests", u.tests.len()),
+        _ => "band of one standard deviation of the stress".into(),
     };
-    let interval = u
-        .interval_95_m_s
-        .map_or("none (at least 3 tests are needed)".into(), |[low, high]| format!("{low:.2} to {high:.2} m/s"));
-    format!(
-        "{name}: {what}\n{}  mean                    {:>8.2} m/s\n  standard deviation      {:>8.2} m/s\n  \
-         95 % interval           {interval}\n  of the {of}, bootstrap of {} resamples, seed {}\n",
-        tests.concat(),
-        u.mean_m_s,
-        u.standard_deviation_m_s,
-        u.resamples,
-        u.seed
-    )
+    let mut text = format!("{name}: {what}\n");
+    for test in &u.tests {
+        let value = test.critical_velocity_m_s.map_or("none: it ends while the stress rises".into(), |v| {
+            let number = output::fixed(Some(v), 2);
+            format!("{number:>8} m/s")
+        });
+        let _ = writeln!(text, "  {:<24}{value}", test.record);
+    }
+    for (name, value) in [("mean", u.mean_m_s), ("standard deviation", u.standard_deviation_m_s)] {
+        if let Some(value) = value {
+            let _ = writeln!(text, "  {name:<24}{value:>8.2} m/s");
+        }
+    }
+    let interval = u.interval_95_m_s.map_or_else(|| too_few(u), |[low, high]| format!("{low:.2} to {high:.2} m/s"));
+    let _ = writeln!(text, "  95 % interval           {interval}");
+    text + &of_what(u)
+}
+
+fn with_velocity(u: &Uncertainty) -> usize {
+    u.tests.iter().filter(|test| test.critical_velocity_m_s.is_some()).count()
+}
+
+fn too_few(u: &Uncertainty) -> String {
+    match with_velocity(u) {
+        all if all == u.tests.len() => format!("none: at least {FEWEST} tests are needed"),
+        some => format!("none: {some} of {} tests have a critical velocity, {FEWEST} are needed", u.tests.len()),
+    }
+}
+
+/// What the interval is of.
+fn of_what(u: &Uncertainty) -> String {
+    match (u.interval_95_m_s, u.resamples, u.seed) {
+        (None, ..) => String::new(),
+        (_, Some(specimens), Some(seed)) => {
+            format!("  of the critical velocity of a specimen, {specimens} of them drawn, seed {seed}\n")
+        }
+        _ => {
+            let degrees = with_velocity(u).saturating_sub(1);
+            format!("  of the mean of the tests, Student's t with {degrees} degrees of freedom\n")
+        }
+    }
 }
 
 fn simulation(name: &str, simulated: Option<&Confirmation>) -> String {
@@ -164,8 +188,8 @@ pub(super) fn csv(studied: &[Studied]) -> String {
             cell(r.strain_at_max),
             cell(r.stress_at_max_pa),
             quoted(&r.reason),
-            cell(u.map(|u| u.mean_m_s)),
-            cell(u.map(|u| u.standard_deviation_m_s)),
+            cell(u.and_then(|u| u.mean_m_s)),
+            cell(u.and_then(|u| u.standard_deviation_m_s)),
             cell(interval.map(|i| i[0])),
             cell(interval.map(|i| i[1])),
             cell(fronts.map(|f| f.holds_m_s)),

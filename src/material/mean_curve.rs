@@ -1,0 +1,199 @@
+//! The mean of the curves of several tests.
+//!
+//! Plastic strain and stress are averaged at equal fractions of the plastic strain at the largest stress, and past it at equal fractions of
+//! the way to the last row, so that tests which neck at different strains do not blunt the maximum of the mean. A test that stopped while its
+//! stress rose does not show where its largest stress is: its fractions are those of the mean plastic strain at the largest stress of the
+//! other tests. Past its end the mean goes on by the mean increment of the tests that have data there, without a step.
+
+use super::TestCurve;
+
+/// Fractions that differ by less are one.
+const SAME: f64 = 1e-9;
+
+/// The mean of the moduli of several tests (at least one), Pa.
+pub fn mean_modulus(tests: &[TestCurve]) -> f64 {
+    tests.iter().map(|test| test.modulus).sum::<f64>() / tests.len() as f64
+}
+
+/// The mean of the curves of several tests (at least one): rows (strain, stress in Pa) from the elastic limit on, with elastic strains by
+/// `modulus` (Pa). The rows are the knots of all tests, between which the mean is straight, too.
+pub fn mean_curve(tests: &[TestCurve], modulus: f64) -> Vec<(f64, f64)> {
+    let flows = flows(tests);
+    let mut rows: Vec<(f64, f64)> = Vec::new();
+    let mut add = |(p, s): (f64, f64)| {
+        let strain = p + s / modulus;
+        // Strains closer than this would have slopes of rounding.
+        if rows.last().is_none_or(|last| strain > last.0 * (1.0 + SAME)) {
+            rows.push((strain, s));
+        }
+    };
+    let fractions = fractions(&flows);
+    let mut at = mean(flows.iter().map(|flow| flow.at(0.0, Side::Behind)));
+    add(at);
+    for pair in fractions.windows(2) {
+        let with_data: Vec<&Flow> = flows.iter().filter(|flow| flow.end() > 0.5 * (pair[0] + pair[1])).collect();
+        let between = |from: (f64, Side), to: (f64, Side)| {
+            let change = |flow: &&Flow| {
+                let (start, end) = (flow.at(from.0, from.1), flow.at(to.0, to.1));
+                (end.0 - start.0, end.1 - start.1)
+            };
+            mean(with_data.iter().map(change))
+        };
+        for step in [
+            between((pair[0], Side::Behind), (pair[1], Side::Before)),
+            between((pair[1], Side::Before), (pair[1], Side::Behind)),
+        ] {
+            at = (at.0 + step.0, at.1 + step.1);
+            add(at);
+        }
+    }
+    rows
+}
+
+fn mean(values: impl ExactSizeIterator<Item = (f64, f64)>) -> (f64, f64) {
+    let count = values.len() as f64;
+    let sum = values.fold((0.0, 0.0), |sum, value| (sum.0 + value.0, sum.1 + value.1));
+    (sum.0 / count, sum.1 / count)
+}
+
+/// The curves with the plastic strain that each of their fractions is of.
+fn flows(tests: &[TestCurve]) -> Vec<Flow> {
+    let mut flows: Vec<Flow> = tests.iter().map(Flow::of).collect();
+    let tops: Vec<f64> = flows.iter().filter(|flow| !flow.stopped).map(|flow| flow.whole).collect();
+    let whole = if tops.is_empty() {
+        flows.iter().map(|flow| flow.last).fold(0.0, f64::max)
+    } else {
+        tops.iter().sum::<f64>() / tops.len() as f64
+    };
+    for flow in flows.iter_mut().filter(|flow| flow.stopped) {
+        flow.whole = whole.max(flow.last);
+    }
+    flows
+}
+
+/// The fractions of all knots, increasing.
+fn fractions(flows: &[Flow]) -> Vec<f64> {
+    let mut all: Vec<f64> =
+        flows.iter().flat_map(|flow| flow.points.iter().map(|point| flow.fraction(point.0))).chain([0.0]).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|later, first| *later - *first < SAME);
+    all
+}
+
+/// The limit of a value at a jump.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Before,
+    Behind,
+}
+
+/// Stress against plastic strain, which never falls, from the elastic limit on.
+struct Flow {
+    points: Vec<(f64, f64)>,
+    /// Plastic strain of which its fractions are, up to 1: that at the largest stress.
+    whole: f64,
+    last: f64,
+    stopped: bool,
+}
+
+impl Flow {
+    fn of(test: &TestCurve) -> Self {
+        let limit = test.curve.elastic_limit(test.modulus);
+        let mut points = vec![(0.0, limit.1)];
+        let mut top = (0.0, limit.1);
+        for (&strain, &stress) in test.curve.strain().iter().zip(test.curve.stress()).filter(|knot| *knot.0 > limit.0) {
+            let p = (strain - stress / test.modulus).max(points[points.len() - 1].0);
+            points.push((p, stress));
+            if stress > top.1 {
+                top = (p, stress);
+            }
+        }
+        let last = points[points.len() - 1].0;
+        Self { points, whole: top.0, last, stopped: test.stopped_while_rising() }
+    }
+
+    /// 0 to 1 up to the largest stress, 1 to 2 from there to the last row.
+    fn fraction(&self, p: f64) -> f64 {
+        if p > self.whole {
+            1.0 + (p - self.whole) / (self.last - self.whole)
+        } else if self.whole > 0.0 {
+            p / self.whole
+        } else {
+            0.0
+        }
+    }
+
+    /// The fraction at its last row.
+    fn end(&self) -> f64 {
+        self.fraction(self.last)
+    }
+
+    /// Plastic strain and stress at a fraction.
+    fn at(&self, t: f64, side: Side) -> (f64, f64) {
+        let p = if t <= 1.0 { t * self.whole } else { self.whole + (t - 1.0) * (self.last - self.whole) };
+        let near = SAME * self.last;
+        let behind = match side {
+            Side::Before => self.points.partition_point(|point| point.0 < p - near),
+            Side::Behind => self.points.partition_point(|point| point.0 <= p + near),
+        };
+        let [before, after] = [behind.saturating_sub(1), behind.min(self.points.len() - 1)].map(|k| self.points[k]);
+        let on_knot = match side {
+            Side::Before => after,
+            Side::Behind => before,
+        };
+        if (on_knot.0 - p).abs() <= near {
+            return on_knot;
+        }
+        (p, before.1 + (after.1 - before.1) * (p - before.0) / (after.0 - before.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Beyond, Curve};
+
+    /// Elastic up to 200 MPa, a yield drop, a jump of an elastic slope, and a largest stress.
+    const KNOTS: [(f64, f64); 8] = [
+        (0.001, 200e6),
+        (0.0012, 180e6),
+        (0.02, 185e6),
+        (0.02002, 189e6),
+        (0.05, 250e6),
+        (0.1, 300e6),
+        (0.15, 320e6),
+        (0.2, 310e6),
+    ];
+
+    fn test(knots: &[(f64, f64)], scale: f64, beyond: Beyond) -> TestCurve {
+        let rows: Vec<_> = knots.iter().map(|&(e, s)| (scale * e, scale * s)).collect();
+        TestCurve { record: "a".into(), modulus: 200e9, curve: Curve::new(&rows, beyond).expect("a curve") }
+    }
+
+    fn near(found: &[(f64, f64)], expected: impl Iterator<Item = (f64, f64)>) {
+        let expected: Vec<_> = expected.collect();
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for (a, b) in found.iter().zip(expected) {
+            assert!((a.0 / b.0 - 1.0).abs() < 1e-7 && (a.1 / b.1 - 1.0).abs() < 1e-7, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn the_mean_of_equal_curves_is_the_curve() {
+        let same = [0; 3].map(|_| test(&KNOTS, 1.0, Beyond::Error));
+        near(&mean_curve(&same, 200e9), KNOTS.into_iter());
+        let scaled = [0.9, 1.1].map(|scale| test(&KNOTS, scale, Beyond::Error));
+        near(&mean_curve(&scaled, 200e9), KNOTS.into_iter());
+    }
+
+    #[test]
+    fn a_test_that_stopped_neither_ends_nor_lowers_the_mean() {
+        let whole = test(&KNOTS, 1.0, Beyond::Error);
+        let stopped = test(&KNOTS[..6], 1.0, Beyond::Error);
+        assert!(stopped.stopped_while_rising() && !whole.stopped_while_rising());
+        near(&mean_curve(&[whole.clone(), stopped, whole], 200e9), KNOTS.into_iter());
+        // Two that stopped at different strains: the mean goes as far as the longer one.
+        let both = [&KNOTS[..5], &KNOTS[..6]].map(|knots| test(knots, 1.0, Beyond::Error));
+        near(&mean_curve(&both, 200e9), KNOTS[..6].iter().copied());
+    }
+}

@@ -1,8 +1,8 @@
 //! Headings of a record: the quantity of a column and its unit.
 
+use crate::input::nearest;
+use crate::material::{Measure, unit_size};
 use crate::units::Dimension;
-
-use crate::material::unit_size;
 
 /// What a column of a record holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +44,7 @@ impl Kind {
             Self::Strain => &["strain", "dehnung", "d\u{e9}formation", "deformation", "epsilon", "\u{3b5}"],
             Self::Extension => &[
                 "extension",
+                "extenso",
                 "elongation",
                 "displacement",
                 "crosshead",
@@ -57,6 +58,62 @@ impl Kind {
             Self::Stress => &["stress", "spannung", "contrainte", "sigma", "\u{3c3}"],
             Self::Force => &["force", "load", "kraft"],
         }
+    }
+}
+
+/// Parts of headings, in lower case, of what measures on the specimen itself.
+const ON_SPECIMEN: [&str; 5] = ["extenso", "aufnehmer", "feindehn", "clip gauge", "clip-on"];
+
+/// Parts of headings, in lower case, of what includes the deformation of machine and grips.
+const OF_MACHINE: [&str; 5] = ["crosshead", "stroke", "traverse", "actuator", "machine"];
+
+/// Where an extension or a strain was measured, the better one first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Place {
+    /// By an extensometer.
+    Specimen,
+    /// The heading does not say so.
+    Unknown,
+    /// At the crosshead.
+    Machine,
+}
+
+/// Where a heading says that its column was measured.
+pub(super) fn place(title: &str) -> Place {
+    let title = title.to_lowercase();
+    let names = |parts: &[&str]| parts.iter().any(|part| title.contains(part));
+    if names(&ON_SPECIMEN) {
+        Place::Specimen
+    } else if names(&OF_MACHINE) {
+        Place::Machine
+    } else {
+        Place::Unknown
+    }
+}
+
+/// Words, or their beginnings, of headings of logarithmic strain and true stress, in lower case ...
+const TRUE: [&str; 12] =
+    ["true", "log", "ln", "natural", "hencky", "cauchy", "wahr", "umformgrad", "vrai", "rationnel", "verdader", "vero"];
+
+/// ... and of values on the initial length and cross-section.
+const ENGINEERING: [&str; 6] = ["eng", "nominal", "conventional", "conventionnel", "technisch", "nenn"];
+
+/// What a heading says about the measure of its column; none: nothing. Extensions and forces have no other measure than that of the initial
+/// length and cross-section.
+pub(super) fn measure(title: &str, kind: Kind) -> Option<Measure> {
+    if matches!(kind, Kind::Extension | Kind::Force) {
+        return Some(Measure::Engineering);
+    }
+    let title = title.to_lowercase();
+    let words = || title.split(|c: char| !c.is_alphabetic());
+    // "ln" and "true" are whole words; the others have endings.
+    let names = |known: &[&str]| {
+        words().any(|word| known.iter().any(|known| word == *known || (known.len() > 2 && word.starts_with(known))))
+    };
+    match (names(&TRUE), names(&ENGINEERING)) {
+        (true, false) => Some(Measure::True),
+        (false, true) => Some(Measure::Engineering),
+        _ => None,
     }
 }
 
@@ -80,17 +137,24 @@ pub(super) fn split(title: &str) -> Heading {
         let unit = title[open + 1..title.len() - 1].trim();
         return Heading { name: title[..open].trim_end_matches(['_', ' ', '/', ',']).into(), unit: unit.into() };
     }
-    for separator in ['/', ',', '_', ' '] {
+    for separator in [',', '_', ' ', '/'] {
         if let Some((name, unit)) = title.rsplit_once(separator)
             && is_unit(unit.trim())
         {
             return Heading { name: name.trim().into(), unit: unit.trim().into() };
         }
     }
+    if let Some(name) = title.strip_suffix(['%', '\u{2030}']) {
+        return Heading { name: name.trim_end().into(), unit: title[name.len()..].into() };
+    }
+    // "Stress, kp/mm^2": one word behind a comma is meant as a unit, known or not.
+    if let Some((name, unit)) = title.rsplit_once(',').filter(|(_, unit)| unit.split_whitespace().count() == 1) {
+        return Heading { name: name.trim().into(), unit: unit.trim().into() };
+    }
     Heading { name: title.into(), unit: String::new() }
 }
 
-fn is_unit(text: &str) -> bool {
+pub(super) fn is_unit(text: &str) -> bool {
     [Kind::Strain, Kind::Extension, Kind::Stress, Kind::Force].iter().any(|kind| size(text, *kind).is_some())
 }
 
@@ -101,11 +165,42 @@ pub(super) fn size(unit: &str, kind: Kind) -> Option<f64> {
         (_, "") => None,
         (Kind::Strain, "-" | "1") => Some(1.0),
         (Kind::Strain, _) if matches!(unit.to_lowercase().as_str(), "microstrain" | "microstrains") => Some(1e-6),
+        (Kind::Strain, "\u{2030}" | "1e-3" | "10^-3" | "mm/m") => Some(1e-3),
         (Kind::Strain, "ustrain" | "ue" | "\u{b5}\u{3b5}" | "\u{3bc}\u{3b5}" | "\u{b5}m/m" | "\u{b5}e") => Some(1e-6),
-        // Square millimetres without their sign are how many machines write them.
-        (Kind::Stress, "N/mm2" | "N/mm\u{b2}") => Some(1e6),
-        _ => unit_size(unit, kind.dimension()).ok(),
+        _ => known_size(&spelled(unit), kind),
     }
+}
+
+fn known_size(unit: &str, kind: Kind) -> Option<f64> {
+    unit_size(unit, kind.dimension()).ok()
+}
+
+/// A unit as other machines write it: square millimetres without their sign, the kilopond, units in capital letters.
+fn spelled(unit: &str) -> String {
+    let unit = unit.strip_suffix("m2").map_or_else(|| unit.to_owned(), |start| format!("{start}m^2"));
+    let unit = match unit.split_once('/') {
+        Some(("kp", area)) => format!("kgf/{area}"),
+        _ if unit == "kp" => "kgf".to_owned(),
+        _ => unit,
+    };
+    // Not "mPa", which is the thousandth part of a pascal.
+    let capitals =
+        OTHER_CASE.iter().find(|known| **known != unit && known.eq_ignore_ascii_case(&unit) && unit != "mPa");
+    capitals.map_or(unit, |known| (*known).to_owned())
+}
+
+/// Units that are written in capital letters, or without.
+const OTHER_CASE: [&str; 10] = ["MPa", "GPa", "kPa", "ksi", "psi", "kN", "lbf", "kip", "mm", "in"];
+
+/// The unit of such a column that is most like an unknown one.
+pub(super) fn most_like(unit: &str, kind: Kind) -> Option<&'static str> {
+    let known: &[&str] = match kind {
+        Kind::Strain => &["%", "\u{2030}", "mm/mm", "in/in", "microstrain", "\u{b5}m/m"],
+        Kind::Extension => &["mm", "\u{b5}m", "um", "in", "mil", "m"],
+        Kind::Stress => &["MPa", "GPa", "kPa", "Pa", "N/mm^2", "ksi", "psi", "kgf/mm^2", "bar"],
+        Kind::Force => &["kN", "N", "MN", "kgf", "lbf", "kip"],
+    };
+    nearest(unit, known.iter().copied())
 }
 
 /// What a heading says that its column holds: the unit decides where there is one, then the name.
@@ -146,6 +241,12 @@ mod tests {
             ("Microstrain", "strain", "Microstrain", Some(Kind::Strain)),
             ("Strain Gauge (Microstrain)", "Strain Gauge", "Microstrain", Some(Kind::Strain)),
             ("Standardweg [mm]", "Standardweg", "mm", Some(Kind::Extension)),
+            ("Stress, kp/mm\u{b2}", "Stress", "kp/mm\u{b2}", Some(Kind::Stress)),
+            ("Stress, stones/acre", "Stress", "stones/acre", Some(Kind::Stress)),
+            ("Strain%", "Strain", "%", Some(Kind::Strain)),
+            ("stress_mpa", "stress", "mpa", Some(Kind::Stress)),
+            ("Extensometer (mm)", "Extensometer", "mm", Some(Kind::Extension)),
+            ("Extensometer (%)", "Extensometer", "%", Some(Kind::Strain)),
             ("D\u{e9}formation (%)", "D\u{e9}formation", "%", Some(Kind::Strain)),
             ("Contrainte (N/mm\u{b2})", "Contrainte", "N/mm\u{b2}", Some(Kind::Stress)),
         ] {
@@ -155,5 +256,53 @@ mod tests {
         }
         assert_eq!(size("\u{b5}\u{3b5}", Kind::Strain), Some(1e-6));
         assert_eq!(size("furlong", Kind::Stress), None);
+    }
+
+    #[test]
+    fn units_are_read_in_the_spellings_of_machines() {
+        for (unit, kind, expected) in [
+            ("kp/mm2", Kind::Stress, 9.806_65e6),
+            ("kp/mm\u{b2}", Kind::Stress, 9.806_65e6),
+            ("kgf/mm2", Kind::Stress, 9.806_65e6),
+            ("kgf/cm2", Kind::Stress, 9.806_65e4),
+            ("N/mm2", Kind::Stress, 1e6),
+            ("kN/mm2", Kind::Stress, 1e9),
+            ("Mpa", Kind::Stress, 1e6),
+            ("mpa", Kind::Stress, 1e6),
+            ("KSI", Kind::Stress, 6.894_757_293_168_361e6),
+            ("kp", Kind::Force, 9.806_65),
+            ("KN", Kind::Force, 1e3),
+            ("\u{2030}", Kind::Strain, 1e-3),
+        ] {
+            let found = size(unit, kind).unwrap_or_else(|| panic!("{unit} is unknown"));
+            assert!((found / expected - 1.0).abs() < 1e-12, "{unit}: {found}");
+        }
+        assert_eq!(size("mPa", Kind::Stress), Some(1e-3));
+        assert_eq!(most_like("kgfmm2", Kind::Stress), Some("kgf/mm^2"));
+    }
+
+    #[test]
+    fn headings_say_measure_and_place() {
+        for (title, kind, expected) in [
+            ("Logarithmic strain", Kind::Strain, Some(Measure::True)),
+            ("log strain", Kind::Strain, Some(Measure::True)),
+            ("wahre Dehnung", Kind::Strain, Some(Measure::True)),
+            ("Wahre Spannung (MPa)", Kind::Stress, Some(Measure::True)),
+            ("Contrainte vraie", Kind::Stress, Some(Measure::True)),
+            ("Cauchy stress (MPa)", Kind::Stress, Some(Measure::True)),
+            ("true_stress_MPa", Kind::Stress, Some(Measure::True)),
+            ("Eng. Strain %", Kind::Strain, Some(Measure::Engineering)),
+            ("nominal stress MPa", Kind::Stress, Some(Measure::Engineering)),
+            ("technische Dehnung", Kind::Strain, Some(Measure::Engineering)),
+            ("Load (kN)", Kind::Force, Some(Measure::Engineering)),
+            ("Strain (in/in)", Kind::Strain, None),
+            ("Stress", Kind::Stress, None),
+        ] {
+            assert_eq!(measure(title, kind), expected, "{title}");
+        }
+        assert_eq!(
+            ["Extensometer (mm)", "Weg", "Crosshead"].map(place),
+            [Place::Specimen, Place::Unknown, Place::Machine]
+        );
     }
 }

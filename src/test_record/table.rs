@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use super::heading::{self, Heading, Kind};
+use super::heading::{self, Heading, Kind, Place};
 use crate::columns::{self, Cell, Line, Table};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Document, nearest};
+use crate::material::Measure;
 
 /// Which columns of a record are meant, by name or number (from 1), in which units, and the specimen's dimensions.
 #[derive(Debug, Clone, Default)]
@@ -22,6 +23,8 @@ pub struct Reading {
     pub gauge_length: Option<f64>,
     /// Initial area of the cross-section, m^2.
     pub area: Option<f64>,
+    /// Measure of strains and stresses; none: that which the headings name.
+    pub measure: Option<Measure>,
 }
 
 /// Which units of a record are named by the file or the options.
@@ -44,8 +47,10 @@ pub struct Record {
     pub columns: String,
     /// Which units the file or the options name.
     pub units_named: UnitsNamed,
-    /// The headings say true strain and true stress.
-    pub says_true: bool,
+    /// The measure that the headings name; none where they name none.
+    pub measure: Option<Measure>,
+    /// The heading that names no measure beside one that does.
+    pub silent: Option<String>,
     document: Document,
     spans: Vec<std::ops::Range<usize>>,
 }
@@ -74,8 +79,7 @@ struct Column {
 pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
     let (document, encoding) = Document::read_record(path)?;
     let mut table = columns::table(&document)?;
-    let abscissa = choose(&document, &table, reading.abscissa.as_ref(), [Kind::Strain, Kind::Extension])?;
-    let ordinate = choose(&document, &table, reading.ordinate.as_ref(), [Kind::Stress, Kind::Force])?;
+    let [abscissa, ordinate] = pair(&document, &table, reading)?;
     if abscissa.1 == ordinate.1 {
         let message = format!("column {} is named twice", abscissa.1 + 1);
         return Err(document.error(0..0, "", message).help("name two different columns").into());
@@ -91,16 +95,58 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
         rows.push((number(&document, &line.cells[0])? * strain, number(&document, &line.cells[1])? * stress));
         spans.push(line.span.clone());
     }
-    let says_true = [&abscissa, &ordinate].iter().all(|column| is_true(&column.title));
+    let (measure, silent) = measure(&document, &table, [&abscissa, &ordinate], reading)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let encoded = encoding.map_or_else(String::new, |encoding| format!("; the text is {encoding}"));
     let columns = describe(&table, &abscissa, &ordinate) + &encoded;
     let units_named = UnitsNamed { strain: abscissa.named || abscissa.kind == Kind::Extension, stress: ordinate.named };
-    Ok(Record { name, rows, columns, units_named, says_true, document, spans })
+    Ok(Record { name, rows, columns, units_named, measure, silent, document, spans })
 }
 
-fn is_true(title: &str) -> bool {
-    title.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| word == "true")
+const ABSCISSA: [Kind; 2] = [Kind::Strain, Kind::Extension];
+const ORDINATE: [Kind; 2] = [Kind::Stress, Kind::Force];
+
+/// The columns of strain and stress. Engineering values are preferred, unless only one of the two has them.
+fn pair(document: &Document, table: &Table, reading: &Reading) -> Result<[(Kind, usize); 2]> {
+    let both = |prefer: Measure| -> Result<[(Kind, usize); 2]> {
+        Ok([
+            choose(document, table, reading.abscissa.as_ref(), ABSCISSA, prefer)?,
+            choose(document, table, reading.ordinate.as_ref(), ORDINATE, prefer)?,
+        ])
+    };
+    let title =
+        |place: usize| table.header.as_ref().and_then(|line| line.cells.get(place)).map_or("", |cell| &cell.text);
+    let are_true = |columns: &[(Kind, usize); 2]| {
+        columns.iter().filter(|(kind, place)| heading::measure(title(*place), *kind) == Some(Measure::True)).count()
+    };
+    let columns = both(reading.measure.unwrap_or_default())?;
+    if are_true(&columns) != 1 {
+        return Ok(columns);
+    }
+    Ok(both(Measure::True).ok().filter(|others| are_true(others) == 2).unwrap_or(columns))
+}
+
+/// The measure that the headings of the two columns name, and the heading that names none, which goes with the other.
+fn measure(
+    document: &Document,
+    table: &Table,
+    columns: [&Column; 2],
+    reading: &Reading,
+) -> Result<(Option<Measure>, Option<String>)> {
+    let [strain, stress] = columns.map(|column| heading::measure(&column.title, column.kind));
+    let contradict = strain.zip(stress).is_some_and(|(strain, stress)| strain != stress);
+    if reading.measure.is_some() || !contradict {
+        let silent = match (strain, stress) {
+            (Some(_), None) => Some(columns[1].title.clone()),
+            (None, Some(_)) => Some(columns[0].title.clone()),
+            _ => None,
+        };
+        return Ok((strain.or(stress), silent));
+    }
+    let span = table.header.as_ref().map_or(0..0, |header| header.span.clone());
+    let message = format!("`{}` and `{}` are of different measures", columns[0].title, columns[1].title);
+    let help = "name columns of one measure, or state that of both with --measure true or --measure engineering";
+    Err(document.error(span, "", message).allowed("both engineering or both true").help(help).into())
 }
 
 fn describe(table: &Table, abscissa: &Column, ordinate: &Column) -> String {
@@ -113,7 +159,9 @@ fn describe(table: &Table, abscissa: &Column, ordinate: &Column) -> String {
         1 => "; 1 line before the header ignored".into(),
         lines => format!("; {lines} lines before the header ignored"),
     };
-    format!("{} rows, {} and {}{preamble}", table.rows.len(), title(abscissa), title(ordinate))
+    let others = [not_used(table, ABSCISSA, abscissa.place), not_used(table, ORDINATE, ordinate.place)].concat();
+    let others = if others.is_empty() { String::new() } else { format!("; not used: {}", others.join(", ")) };
+    format!("{} rows, {} and {}{others}{preamble}", table.rows.len(), title(abscissa), title(ordinate))
 }
 
 /// The column of one of two kinds: the one that is asked for, or the one whose heading says so. Without headings the columns are strain
@@ -123,6 +171,7 @@ fn choose(
     table: &Table,
     asked: Option<&(Kind, String)>,
     kinds: [Kind; 2],
+    prefer: Measure,
 ) -> Result<(Kind, usize)> {
     if let Some((kind, name)) = asked {
         return Ok((*kind, by_name(document, table, name, *kind)?));
@@ -138,15 +187,13 @@ fn choose(
         let help = format!("name the column by its number (from 1) with {option}");
         return Err(document.error(table.rows[0].span.clone(), "", message).help(help).into());
     };
-    for kind in kinds {
-        let of_kind: Vec<usize> =
-            (0..header.cells.len()).filter(|k| heading::kind(&whole(table, *k)) == Some(kind)).collect();
-        let engineering: Vec<usize> = of_kind.iter().copied().filter(|k| !is_true(&header.cells[*k].text)).collect();
-        match (of_kind.as_slice(), engineering.as_slice()) {
-            ([], _) => {}
-            ([one], _) | (_, [one]) => return Ok((kind, *one)),
-            (many, _) => {
-                let message = format!("{} columns of {}: {}", many.len(), kind.name(), titles(header, many));
+    for group in groups(table, header, kinds) {
+        match narrowed(header, &group, prefer).as_slice() {
+            [] => {}
+            [one] => return Ok(*one),
+            many => {
+                let (kind, places) = (many[0].0, many.iter().map(|column| column.1).collect::<Vec<_>>());
+                let message = format!("{} columns of {}: {}", many.len(), kind.name(), titles(header, &places));
                 let help = format!("name one of them with --{}-column", kind.name());
                 return Err(document.error(header.span.clone(), "", message).help(help).into());
             }
@@ -158,6 +205,48 @@ fn choose(
     Err(document.error(header.span.clone(), "", message).allowed(titles(header, &all)).help(help).into())
 }
 
+/// The columns of two kinds, the better groups first: the first kind before the second, but an extensometer before the strain of a crosshead.
+fn groups(table: &Table, header: &Line, kinds: [Kind; 2]) -> [Vec<(Kind, usize)>; 4] {
+    let of_kind = |kind: Kind, wanted: &dyn Fn(Place) -> bool| {
+        let fits = |k: &usize| {
+            heading::kind(&whole(table, *k)) == Some(kind) && wanted(heading::place(&header.cells[*k].text))
+        };
+        (0..header.cells.len()).filter(fits).map(|k| (kind, k)).collect()
+    };
+    [
+        of_kind(kinds[0], &|place| place != Place::Machine),
+        of_kind(kinds[1], &|place| place == Place::Specimen),
+        of_kind(kinds[0], &|_| true),
+        of_kind(kinds[1], &|_| true),
+    ]
+}
+
+/// Of several columns of one kind those of an extensometer, where there are any, and of these those that are not of the other measure.
+fn narrowed(header: &Line, columns: &[(Kind, usize)], prefer: Measure) -> Vec<(Kind, usize)> {
+    let title = |column: &(Kind, usize)| header.cells[column.1].text.as_str();
+    let specimen = |column: &&(Kind, usize)| heading::place(title(column)) == Place::Specimen;
+    let best: Vec<_> = columns.iter().filter(specimen).copied().collect();
+    let best = if best.is_empty() { columns.to_vec() } else { best };
+    let [same, other]: [Vec<_>; 2] = [true, false].map(|same| {
+        let measure = |column: &&(Kind, usize)| heading::measure(title(column), column.0);
+        let fits = |column: &&(Kind, usize)| measure(column).is_some_and(|measure| (measure == prefer) == same);
+        best.iter().filter(fits).copied().collect()
+    });
+    let neutral: Vec<_> =
+        best.iter().filter(|column| !same.contains(column) && !other.contains(column)).copied().collect();
+    // A heading without a measure beside one of true values is that of engineering ones.
+    let order =
+        if prefer == Measure::True { [same, neutral, other] } else { [[same, neutral].concat(), other, Vec::new()] };
+    order.into_iter().find(|columns| !columns.is_empty()).unwrap_or_default()
+}
+
+/// The other columns of two kinds, which could have been meant.
+fn not_used(table: &Table, kinds: [Kind; 2], taken: usize) -> Vec<String> {
+    let Some(header) = &table.header else { return Vec::new() };
+    let other = |k: &usize| *k != taken && heading::kind(&whole(table, *k)).is_some_and(|kind| kinds.contains(&kind));
+    (0..header.cells.len()).filter(other).map(|k| format!("`{}`", header.cells[k].text)).collect()
+}
+
 fn titles(header: &Line, places: &[usize]) -> String {
     places.iter().map(|k| format!("`{}`", header.cells[*k].text)).collect::<Vec<_>>().join(", ")
 }
@@ -166,7 +255,8 @@ fn titles(header: &Line, places: &[usize]) -> String {
 fn whole(table: &Table, place: usize) -> Heading {
     let title = table.header.as_ref().and_then(|line| line.cells.get(place)).map_or("", |cell| cell.text.as_str());
     let mut heading = heading::split(title);
-    if heading.unit.is_empty() {
+    let below = !table.unit_below(place).is_empty() && !heading::is_unit(&heading.unit);
+    if heading.unit.is_empty() || below {
         table.unit_below(place).clone_into(&mut heading.unit);
     }
     heading
@@ -239,14 +329,19 @@ fn unit(
         }
         if given.is_none() {
             let message = format!("`{}` is not a unit of {}", stated.unit, kind.name());
-            let help = format!("write a unit such as {example} in the heading, or name it with {option}");
+            let help = heading::most_like(&stated.unit, kind).map_or_else(
+                || format!("write a unit such as {example} in the heading, or name it with {option}"),
+                |near| format!("did you mean `{near}`? Write it in the heading, or name the unit with {option}"),
+            );
             return Err(document.error(span(), "", message).help(help).into());
         }
     }
     let Some(given) = given else { return Ok(column(1.0, false)) };
     heading::size(given, kind).map(|size| column(size, true)).ok_or_else(|| {
         let message = format!("`{given}` is not a unit of {}", kind.name());
-        InputError::new(message).key(option).help(format!("write a unit such as {example}")).into()
+        let help = heading::most_like(given, kind)
+            .map_or_else(|| format!("write a unit such as {example}"), |near| format!("did you mean `{near}`?"));
+        InputError::new(message).key(option).help(help).into()
     })
 }
 

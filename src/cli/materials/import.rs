@@ -78,7 +78,7 @@ pub(super) struct Args {
     /// Keep the rows unchanged: no toe correction, no smoothing (always with fewer than 50 rows, but for --elastic-range).
     #[arg(long, conflicts_with_all = ["elastic_range", "compliance", "smooth"])]
     keep_rows: bool,
-    /// Measure of the strains and stresses of the record (default: engineering, unless the headings contain "true").
+    /// Measure of the strains and stresses of the record (default: that of the headings, as in "true stress"; else engineering).
     #[arg(long, value_enum)]
     measure: Option<MeasureArg>,
     /// Sense of loading in the test.
@@ -134,7 +134,30 @@ enum MeasureArg {
 impl Args {
     /// The rows of a record are true strains and stresses.
     fn is_true(&self, record: &Record) -> bool {
-        self.measure.map_or(record.says_true, |measure| measure == MeasureArg::True)
+        self.measure.map(Measure::from).or(record.measure) == Some(Measure::True)
+    }
+
+    /// The measure of the values of a record, and what says so.
+    fn measure(&self, record: &Record) -> String {
+        let measure = if self.is_true(record) { "true" } else { "engineering" };
+        let says = match (self.measure, record.measure, &record.silent) {
+            (Some(_), ..) => "by --measure".into(),
+            (None, Some(_), Some(title)) => {
+                format!("by one heading; `{title}` names none: --measure states another one")
+            }
+            (None, Some(_), None) => "by the headings".into(),
+            (None, None, _) => "assumed: the headings name none".to_owned(),
+        };
+        format!("{measure} ({says})")
+    }
+}
+
+impl From<MeasureArg> for Measure {
+    fn from(measure: MeasureArg) -> Self {
+        match measure {
+            MeasureArg::Engineering => Self::Engineering,
+            MeasureArg::True => Self::True,
+        }
     }
 }
 
@@ -164,8 +187,8 @@ struct Curve {
     rows: Vec<(f64, f64)>,
     beyond: Beyond,
     repeats: Option<Repeats>,
-    /// What was done to the rows of a short table.
-    change: Option<String>,
+    /// What was done to the rows of a short table, or to reach the mean of several tests.
+    changes: Vec<String>,
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
@@ -183,23 +206,39 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let (reading, how) = (reading(args)?, how(args)?);
     let imported = args.records.iter().map(|file| import(file, args, &reading, &how)).collect::<Result<Vec<_>>>()?;
     let curve = curve(args, &imported, &how)?;
-    let comments = comments(&imported, curve.change.as_deref());
+    plausible(&curve, &imported)?;
+    let comments = comments(args, &imported, &curve.changes);
     let text = text(args, &curve, &comments);
     let document = Document::new(path.display().to_string(), text.as_str());
-    let raw: RawMaterial = document.parse()?;
-    let material = material::resolve(raw, &document, "", Path::new(""))?;
-    plausible(&material, &imported)?;
+    let material = document
+        .parse::<RawMaterial>()
+        .and_then(|raw| material::resolve(raw, &document, "", Path::new("")))
+        .map_err(|error| of_record(error, &imported))?;
     destination::write_whole(&path, text.as_bytes())?;
     if let Some(plot) = &args.plot {
         draw(plot, &material.name, &imported, &curve)?;
     }
     if args.json {
-        return output::json(&json(&path, &imported, &material));
+        return output::json(&json(args, &path, &imported, &curve.changes, &material));
     }
     output::text_beside(
         [Some(path.as_path()), args.plot.as_deref()],
-        &report(args, &path, &imported, curve.change.as_deref(), &material),
+        &report(args, &path, &imported, &curve.changes, &material),
     )
+}
+
+/// An error of the material, which is not written: its place is in the record that the curve was made of, or an option.
+fn of_record(error: Error, imported: &[Imported]) -> Error {
+    let Error::Input(e) = error else { return error };
+    let test = e.key.strip_prefix("band.test.").and_then(|rest| rest.split('.').next()?.parse().ok());
+    let record = imported.get(test.unwrap_or(0)).map(|one| &one.record);
+    match record {
+        Some(record) if ["curve", "band", "modulus"].iter().any(|part| e.key.starts_with(part)) => {
+            let error = record.error(0, format!("no curve can be made of {}: {}", record.name, e.message));
+            error.allowed(e.allowed).help("check the columns and their units").into()
+        }
+        _ => InputError { key: format!("--{}", e.key), place: None, ..e }.into(),
+    }
 }
 
 fn refuse_existing(path: &Path, force: bool) -> Result<()> {
@@ -246,6 +285,7 @@ fn reading(args: &Args) -> Result<Reading> {
         ordinate_unit: args.unit.clone(),
         gauge_length: of(&args.gauge_length, Dimension::Length, "--gauge-length")?,
         area: area.or(diameter.map(|d| std::f64::consts::FRAC_PI_4 * d * d)),
+        measure: args.measure.map(Measure::from),
     })
 }
 
@@ -270,6 +310,9 @@ fn how(args: &Args) -> Result<Reduce> {
     })
 }
 
+/// Stresses below this without a unit are MPa read as Pa.
+const LEAST_PLAIN_STRESS: f64 = 1e6;
+
 /// `20 MPa..100 MPa`.
 fn elastic_range(text: &str) -> Result<[f64; 2]> {
     let key = "--elastic-range";
@@ -278,8 +321,14 @@ fn elastic_range(text: &str) -> Result<[f64; 2]> {
         |message: String| Error::from(InputError::new(message).key(key).allowed("LOW..HIGH, two stresses").help(help));
     let (low, high) = text.split_once("..").ok_or_else(|| wrong(format!("`{text}` is not an interval")))?;
     let stress = |part: &str| {
-        let quantity: Quantity = part.parse().unwrap_or(Quantity::Text(part.into()));
-        quantity.si(Dimension::Stress).map_err(wrong)
+        let quantity: Quantity = part.trim().parse().unwrap_or(Quantity::Text(part.into()));
+        let value = quantity.si(Dimension::Stress).map_err(wrong)?;
+        if matches!(quantity, Quantity::Number(_)) && value != 0.0 && value.abs() < LEAST_PLAIN_STRESS {
+            let message = format!("`{}` has no unit and would be {value} Pa", part.trim());
+            let error = InputError::new(message).key(key).allowed("two stresses with units").help(help);
+            return Err(Error::from(error));
+        }
+        Ok(value)
     };
     let (low, high) = (stress(low)?, stress(high)?);
     if low >= 0.0 && high > low { Ok([low, high]) } else { Err(wrong(format!("`{text}` is an empty interval"))) }
@@ -338,7 +387,7 @@ fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
             rows: reduction.knots.clone(),
             beyond: asked.unwrap_or(fractured),
             repeats: None,
-            change: None,
+            changes: Vec::new(),
         });
     }
     if let [Imported { record, reduction: None, .. }] = imported {
@@ -355,10 +404,9 @@ fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
     };
     let tests = imported.iter().map(reduced).collect::<std::result::Result<Vec<_>, _>>()?;
     let repeats = test_record::combine(&tests, how.tolerance)?;
-    let fractured = tests.iter().all(|(_, reduction)| reduction.fracture.is_some());
-    let beyond = asked.unwrap_or(if fractured { Beyond::Rupture } else { Beyond::Error });
     let (modulus, rows) = (Some(repeats.modulus), repeats.knots.clone());
-    Ok(Curve { modulus, measure: Measure::Engineering, rows, beyond, repeats: Some(repeats), change: None })
+    let (beyond, changes) = (asked.unwrap_or(repeats.beyond), repeats.notes.clone());
+    Ok(Curve { modulus, measure: Measure::Engineering, rows, beyond, repeats: Some(repeats), changes })
 }
 
 /// The rows of a short table, with the elastic line that was asked for.
@@ -374,11 +422,11 @@ fn short_table(args: &Args, record: &Record, how: &Reduce) -> Result<Curve> {
     let beyond = args.beyond.map_or(Beyond::Error, Into::into);
     let rows = kept_rows(record)?;
     let Some(range) = how.elastic_range else {
-        return Ok(Curve { modulus: how.modulus, measure, rows, beyond, repeats: None, change: None });
+        return Ok(Curve { modulus: how.modulus, measure, rows, beyond, repeats: None, changes: Vec::new() });
     };
     let straight = test_record::straighten(&rows, range, how.modulus, how.toe)?;
-    let (modulus, change) = (Some(straight.modulus), Some(straight.change));
-    Ok(Curve { modulus, measure, rows: straight.rows, beyond, repeats: None, change })
+    let (modulus, changes) = (Some(straight.modulus), vec![straight.change]);
+    Ok(Curve { modulus, measure, rows: straight.rows, beyond, repeats: None, changes })
 }
 
 /// Rows of a short table, magnitudes; what is no curve is refused with its line.
@@ -392,13 +440,14 @@ fn kept_rows(record: &Record) -> Result<Vec<(f64, f64)>> {
 }
 
 /// The comment at the top of the file: records and changes.
-fn comments(imported: &[Imported], change: Option<&str>) -> Vec<String> {
+fn comments(args: &Args, imported: &[Imported], changes: &[String]) -> Vec<String> {
     let mut lines = vec![format!("Imported by barwave {}.", env!("CARGO_PKG_VERSION"))];
     for one in imported {
         lines.push(format!("{}: {}.", one.record.name, one.record.columns));
+        lines.push(format!("- measure of strain and stress: {}", args.measure(&one.record)));
         lines.extend(one.reduction.iter().flat_map(|reduction| &reduction.changes).map(|change| format!("- {change}")));
     }
-    lines.extend(change.map(|change| format!("- {change}")));
+    lines.extend(changes.iter().map(|change| format!("- {change}")));
     lines
 }
 
@@ -430,8 +479,16 @@ const LEAST_WITHOUT_UNIT: f64 = 1e7;
 /// The largest strain of a record whose strains have no named unit: more is percent read as a number.
 const MOST_WITHOUT_UNIT: f64 = 2.0;
 
+/// The modulus of a curve, Pa: the steepest slope of its rows where it states none.
+fn modulus(curve: &Curve) -> f64 {
+    let origin = std::iter::once((0.0, 0.0)).chain(curve.rows.iter().copied());
+    let slope = |(from, to): ((f64, f64), &(f64, f64))| (to.1 - from.1) / (to.0 - from.0);
+    let slopes = origin.zip(&curve.rows).map(slope).filter(|slope| slope.is_finite());
+    curve.modulus.unwrap_or_else(|| slopes.fold(0.0, f64::max))
+}
+
 /// Refuses a modulus or a strain that comes of a wrong unit.
-fn plausible(material: &Material, imported: &[Imported]) -> Result<()> {
+fn plausible(curve: &Curve, imported: &[Imported]) -> Result<()> {
     let largest = |one: &Imported| one.shown.iter().fold(0.0, |largest: f64, row| largest.max(row.0));
     let unnamed = imported.iter().filter(|one| !one.record.units_named.strain).map(largest).fold(0.0, f64::max);
     if unnamed > MOST_WITHOUT_UNIT {
@@ -440,11 +497,11 @@ fn plausible(material: &Material, imported: &[Imported]) -> Result<()> {
         let error = error.allowed(format!("a largest strain of at most {MOST_WITHOUT_UNIT} if no unit is given"));
         return Err(error.help("give the unit, e.g. --strain-unit %, or in the heading: strain_%").into());
     }
-    if material.modulus >= LEAST_WITHOUT_UNIT || imported.iter().all(|one| one.record.units_named.stress) {
+    let modulus = modulus(curve);
+    if modulus >= LEAST_WITHOUT_UNIT || imported.iter().all(|one| one.record.units_named.stress) {
         return Ok(());
     }
-    let message =
-        format!("the unit of stress or force is not given, and the modulus in Pa is {:.4e}", material.modulus);
+    let message = format!("the unit of stress or force is not given, and the modulus in Pa is {modulus:.4e}");
     let error = InputError::new(message).key("--unit").allowed("a modulus of at least 10 MPa if no unit is given");
     Err(error.help("give the unit, e.g. --unit MPa, or in the heading: stress_MPa").into())
 }
@@ -468,13 +525,20 @@ fn draw(path: &Path, name: &str, imported: &[Imported], curve: &Curve) -> Result
     save(path, name, &figure(name, &drawn, mean))
 }
 
-fn json(path: &Path, imported: &[Imported], material: &Material) -> serde_json::Value {
+fn json(args: &Args, path: &Path, imported: &[Imported], changes: &[String], material: &Material) -> serde_json::Value {
     let records = imported.iter().map(|one| {
-        serde_json::json!({ "record": one.record.name, "columns": one.record.columns, "reduction": one.reduction })
+        let measure = if args.is_true(&one.record) { Measure::True } else { Measure::Engineering };
+        serde_json::json!({
+            "record": one.record.name,
+            "columns": one.record.columns,
+            "measure": measure,
+            "reduction": one.reduction,
+        })
     });
     serde_json::json!({
         "written": path.display().to_string(),
         "records": records.collect::<Vec<_>>(),
+        "changes": changes,
         "modulus_Pa": material.modulus,
         "elastic_limit_Pa": material.tension.elastic_limit(material.modulus).1,
         "critical": crate::study::critical::critical(material, Sense::Tension),
@@ -483,10 +547,11 @@ fn json(path: &Path, imported: &[Imported], material: &Material) -> serde_json::
 }
 
 /// The report for people.
-fn report(args: &Args, path: &Path, imported: &[Imported], change: Option<&str>, material: &Material) -> String {
+fn report(args: &Args, path: &Path, imported: &[Imported], changes: &[String], material: &Material) -> String {
     let mut text = format!("wrote {}\n", path.display());
     for one in imported {
         let _ = writeln!(text, "record          {}: {}", one.record.name, one.record.columns);
+        let _ = writeln!(text, "  measure       {}", args.measure(&one.record));
         text += &one.reduction.as_ref().map_or_else(String::new, reduced);
     }
     if imported.len() > 1 {
@@ -502,7 +567,7 @@ fn report(args: &Args, path: &Path, imported: &[Imported], change: Option<&str>,
         limit / 1e6,
         critical_line(material, Sense::Tension)
     );
-    if let Some(change) = change {
+    for change in changes {
         let _ = writeln!(text, "  - {change}");
     }
     for note in material.notes() {
@@ -531,7 +596,9 @@ fn reduced(r: &Reduction) -> String {
     );
     let proof = r.proof_stress.map_or("none: the curve ends before".into(), |s| format!("{:.3} MPa", s / MPA));
     let _ = writeln!(text, "  proof stress  {proof} at 0.2 % offset (ASTM E8/E8M, ISO 6892-1)");
-    let _ = writeln!(text, "  peak stress   {:.3} MPa at strain {:.5}", r.maximum.1 / MPA, r.maximum.0);
+    let at_end = r.knots.last().is_some_and(|last| last.0 <= r.maximum.0);
+    let end = if at_end { ", the end of the record" } else { "" };
+    let _ = writeln!(text, "  peak stress   {:.3} MPa at strain {:.5}{end}", r.maximum.1 / MPA, r.maximum.0);
     let fracture =
         r.fracture.map_or("none in the record".into(), |(e, s)| format!("{:.3} MPa at strain {e:.5}", s / MPA));
     let _ = writeln!(text, "  fracture      {fracture}");

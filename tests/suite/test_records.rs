@@ -386,6 +386,183 @@ fn repeats_give_one_curve_with_a_band_that_critical_uses() {
     assert_eq!(scatter["tests"].as_array().map(Vec::len), Some(5));
 }
 
+/// Rows of a material with a largest stress at a strain of 12 %, up to a strain, with noise in parts of the largest stress.
+fn noisy(rows: u32, end: f64, noise: f64, seed: u64) -> Vec<(f64, f64)> {
+    let mut rows = record(&RAMBERG_OSGOOD, &Faults { rows, noise, seed, ..CLEAN });
+    rows.retain(|row| row.0 <= end);
+    rows
+}
+
+/// The mean modulus was rounded in the file, and the first slope was above it in half of the cases.
+#[test]
+fn repeats_of_any_modulus_are_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for scatter in 0..8_u32 {
+        let names = [0, 1, 2].map(|test| {
+            let scale = 1.0 + 0.013 * f64::from(test) + 0.0017 * f64::from(scatter);
+            let seed = u64::from(3 * scatter + test);
+            let rows: Vec<_> = noisy(400, 0.25, 1e-3, seed).into_iter().map(|(e, s)| (e, scale * s)).collect();
+            let name = format!("{test}.csv");
+            std::fs::write(folder.path().join(&name), csv(&rows)).expect("a file");
+            name
+        });
+        let found =
+            import(folder.path(), "a.csv", &csv(&noisy(400, 0.25, 1e-3, 1)), &[&names[0], &names[1], &names[2]]);
+        assert!(number(&found["modulus_Pa"]) > 190e9, "{found:#}");
+    }
+    let text = csv(&noisy(400, 0.25, 1e-3, 1));
+    for modulus in ["29700 ksi", "29600 ksi", "29800 ksi", "29900 ksi"] {
+        import(folder.path(), "a.csv", &text, &["--modulus", modulus]);
+    }
+}
+
+/// A record in columns of these headings: time, crosshead, extensometer with a gauge length of 50 mm, and force on 100 mm^2.
+fn machine_record(headings: &str) -> String {
+    let rows = noisy(400, 0.25, 1e-4, 1);
+    let mut text = String::from(headings) + "\n";
+    for (k, (e, s)) in rows.iter().enumerate() {
+        let force = s * 100e-6 / 1e3;
+        let _ = writeln!(text, "{k},{:.7},{:.7},{force:.6}", 60.0 * e + force / 15.0, 50.0 * e);
+    }
+    text
+}
+
+#[test]
+fn an_extensometer_is_taken_before_a_crosshead() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let specimen = ["--gauge-length", "50 mm", "--area", "100 mm^2"];
+    for other in ["Crosshead (mm)", "Displacement (mm)", "Extension (mm)", "Stroke [mm]", "Crosshead strain (%)"] {
+        let text = machine_record(&format!("Time (s),{other},Extensometer (mm),Load (kN)"));
+        let found = import(folder.path(), "a.csv", &text, &specimen);
+        assert!((number(&found["modulus_Pa"]) / 205e9 - 1.0).abs() < 0.01, "{other}: {found:#}");
+        let columns = found["records"][0]["columns"].as_str().expect("a text");
+        assert!(columns.contains("extension `Extensometer (mm)`"), "{columns}");
+        assert!(columns.contains(&format!("not used: `{other}`")), "{columns}");
+    }
+}
+
+#[test]
+fn headings_name_the_measure_in_several_languages() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = record(&RAMBERG_OSGOOD, &Faults { rows: 1500, ..CLEAN });
+    let table = |header: &str| {
+        let mut text = String::from(header) + "\n";
+        for (e, s) in &rows {
+            let _ = writeln!(text, "{:.8},{:.5}", e.ln_1p(), s * (1.0 + e) / 1e6);
+        }
+        text
+    };
+    for header in [
+        "Logarithmic strain,True stress (MPa)",
+        "True strain,Stress (MPa)",
+        "log strain,Cauchy stress (MPa)",
+        "wahre Dehnung,wahre Spannung (MPa)",
+        "D\u{e9}formation vraie,Contrainte vraie (MPa)",
+    ] {
+        let found = import(folder.path(), "a.csv", &table(header), &[]);
+        within_a_percent(&found, &RAMBERG_OSGOOD, header);
+        assert_eq!(found["records"][0]["measure"], "true", "{header}");
+    }
+    std::fs::write(folder.path().join("a.csv"), table("True strain,Engineering stress (MPa)")).expect("a file");
+    let with = |more: &[&str]| {
+        barwave(folder.path(), &[&["materials", "import", "a.csv", "--density", "7850", "--force"], more].concat())
+    };
+    let refused = with(&[]);
+    let message = String::from_utf8_lossy(&refused.stderr);
+    assert!(refused.status.code() == Some(2) && !folder.path().join("a.toml").exists(), "{message}");
+    assert!(message.contains("different measures") && message.contains("--measure true"), "{message}");
+    let stated = with(&["--measure", "true"]);
+    assert!(String::from_utf8_lossy(&stated.stdout).contains("measure       true (by --measure)"));
+    std::fs::write(folder.path().join("a.csv"), csv(&rows)).expect("a file");
+    assert!(String::from_utf8_lossy(&with(&[]).stdout).contains("measure       engineering (assumed"));
+}
+
+/// Most records that end at two thirds of the strain of their largest stress had a critical velocity, by noise.
+#[test]
+fn noise_makes_no_largest_stress() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for seed in 0..12 {
+        let text = csv(&noisy(1200, 0.1, 0.005, seed));
+        let found = import(folder.path(), "a.csv", &text, &[]);
+        assert!(found["critical"]["critical_velocity_m_s"].is_null(), "{seed}: {found:#}");
+        // With the fracture there it is near that of the curve up to there.
+        let found = import(folder.path(), "a.csv", &text, &["--beyond", "rupture"]);
+        let points: Vec<_> = (0..=20_000).map(|i| 0.1 * (f64::from(i) / 2e4).powi(3)).collect();
+        let front = |pair: &[f64]| {
+            let rise = RAMBERG_OSGOOD.stress(pair[1]) - RAMBERG_OSGOOD.stress(pair[0]);
+            ((pair[1] - pair[0]) * rise / DENSITY).sqrt()
+        };
+        let expected: f64 = points.windows(2).map(front).sum();
+        let velocity = number(&found["critical"]["critical_velocity_m_s"]);
+        assert!((velocity / expected - 1.0).abs() < 0.04, "{seed}: {velocity}, not {expected}");
+        assert_eq!(found["critical"]["reason"], "rupture-strain");
+        let whole = import(folder.path(), "a.csv", &csv(&noisy(1200, 0.25, 0.005, seed)), &[]);
+        let velocity = number(&whole["critical"]["critical_velocity_m_s"]);
+        let expected = RAMBERG_OSGOOD.critical_velocity(DENSITY);
+        assert!((velocity / expected - 1.0).abs() < 0.02, "{seed}: {velocity}, not {expected}");
+    }
+}
+
+/// The end of the shorter record was taken for its largest stress, and the mean fell by 5 %.
+#[test]
+fn a_repeat_that_was_stopped_early_does_not_end_the_mean() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (k, end) in [0.25, 0.25, 0.07].into_iter().enumerate() {
+        let rows = noisy(1200, end, 1e-3, 5 + k as u64);
+        std::fs::write(folder.path().join(format!("{k}.csv")), csv(&rows)).expect("a file");
+    }
+    let arguments = ["materials", "import", "0.csv", "1.csv", "2.csv", "--density", "7850", "-o", "m.toml", "--json"];
+    let output = barwave(folder.path(), &arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let velocity = number(&found["critical"]["critical_velocity_m_s"]);
+    let expected = RAMBERG_OSGOOD.critical_velocity(DENSITY);
+    assert!((velocity / expected - 1.0).abs() < 0.004, "{velocity}, not {expected}");
+    assert!(found["changes"][0].as_str().is_some_and(|note| note.contains("2.csv ends at strain 0.0")), "{found:#}");
+    let text = barwave(folder.path(), &["critical", "m.toml"]).stdout;
+    let text = String::from_utf8_lossy(&text);
+    for part in
+        ["3 tests", "none: it ends while the stress rises", "none: 2 of 3 tests have a critical velocity, 3 are"]
+    {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
+fn the_mean_of_equal_records_is_the_curve_of_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = csv(&noisy(1200, 0.25, 1e-3, 1));
+    let one = import(folder.path(), "a.csv", &text, &[]);
+    let names = ["b.csv", "c.csv"];
+    for name in names {
+        std::fs::write(folder.path().join(name), &text).expect("a file");
+    }
+    let mean = import(folder.path(), "a.csv", &text, &names);
+    for key in ["modulus_Pa", "elastic_limit_Pa"] {
+        assert!((number(&mean[key]) / number(&one[key]) - 1.0).abs() < 1e-5, "{key}: {mean:#}");
+    }
+    let [a, b] = [one, mean].map(|found| number(&found["critical"]["critical_velocity_m_s"]));
+    assert!((a / b - 1.0).abs() < 2.5e-4, "{a} {b}");
+}
+
+/// The range was printed as stresses of the fitted line, which lie elsewhere where the rows are not straight.
+#[test]
+fn a_range_with_the_knee_in_it_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = csv(&noisy(3000, 0.25, 1e-4, 1));
+    let range = |range: &str| {
+        let found = import(folder.path(), "a.csv", &text, &["--elastic-range", range]);
+        let reduction = found["records"][0]["reduction"].clone();
+        let [low, high] = [0, 1].map(|k| number(&reduction["line"]["fitted_between_Pa"][k]) / 1e6);
+        let bent = reduction["changes"].to_string().contains("are not on one line");
+        (low, high, bent)
+    };
+    let (low, high, bent) = range("20MPa..430MPa");
+    assert!((15.0..40.0).contains(&low) && (415.0..431.0).contains(&high) && bent, "{low} {high} {bent}");
+    let (low, high, bent) = range("20MPa..200MPa");
+    assert!((15.0..40.0).contains(&low) && (180.0..201.0).contains(&high) && !bent, "{low} {high} {bent}");
+}
+
 /// Rows read off a figure: the second pair is steeper than the first.
 const READ_OFF: &str = "Strain [%];Stress [MPa]\n0;0\n0,1;70\n0,2;141\n0,25;165\n0,5;190\n1;215\n5;305\n30;410\n";
 
@@ -424,8 +601,13 @@ fn wrong_records_are_refused_with_one_clear_error() {
         lines.join("\n")
     };
     let units = good.replace("stress_MPa", "stress");
+    // Stresses so small that they would all be zero in the file.
+    let mut tiny = String::from("strain,stress\n");
+    for (e, s) in record(&RAMBERG_OSGOOD, &Faults { rows: 200, ..CLEAN }) {
+        let _ = writeln!(tiny, "{e:.8},{:.8}", s / 9.8e6);
+    }
     // Text, options, and what the message holds; a line number stands before a colon.
-    let cases: [(&str, &[&str], &str); 14] = [
+    let cases: [(&str, &[&str], &str); 22] = [
         ("time,load\n0,1\n1,2\n", &[], "no column of strain or extension"),
         (&line(7, "0.1,abc"), &[], "8: `abc` is not a number"),
         (&line(7, "0.1,nan"), &[], "8: `nan` is not a number"),
@@ -440,6 +622,14 @@ fn wrong_records_are_refused_with_one_clear_error() {
         (&good, &["--unit", "MPa"], "given twice"),
         (&units, &[], "the unit of stress or force is not given"),
         (&good, &["--strain-column", "7"], "there is no column 7"),
+        (&good, &["--elastic-range", "20..320"], "`20` has no unit and would be 20 Pa"),
+        (&good, &["--elastic-range", "0..320"], "`320` has no unit and would be 320 Pa"),
+        (&good, &["--modulus", "100 GPa"], "100.0000 GPa is less than the slope of the record, 187."),
+        (&good, &["--modulus", "100 GPa"], "at least 174."),
+        (&tiny, &[], "the unit of stress or force is not given"),
+        (&tiny.replace("stress", "stress (Pa)"), &[], "2: no curve can be made of a.csv"),
+        (&good.replace("stress_MPa", "\"Stress, stones/acre\""), &[], "`stones/acre` is not a unit of stress"),
+        (&good.replace("stress_MPa", "Stress (kgfmm2)"), &[], "did you mean `kgf/mm^2`?"),
     ];
     for (text, options, words) in cases {
         std::fs::write(folder.path().join("a.csv"), text).expect("a file");

@@ -82,7 +82,8 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
 /// The left and the right end are struck or pulled faster than waves along the curve can carry away.
 fn above_critical(scene: &Scene, fans: &[InitialFan]) -> [bool; 2] {
     // A bar that depends on the strain rate starts without the fan of its curve.
-    let first = first_fans(&scene.bar, &scene.left, &scene.right);
+    let [left, right] = scene.ends_in_run();
+    let first = first_fans(&scene.bar, &left, &right);
     let all = || fans.iter().chain(&first);
     [Origin::Left, Origin::Right].map(|end| all().any(|fan| fan.origin == end && fan.fan.above_critical))
 }

@@ -59,6 +59,19 @@ pub enum EndCondition {
 }
 
 impl EndCondition {
+    /// The end with what it imposes before a time (s) and before its release.
+    #[must_use]
+    pub fn until(&self, end: f64) -> Self {
+        match self {
+            Self::Velocity { history, release } => {
+                let history = history.until(release.map_or(end, |release| release.min(end)));
+                Self::Velocity { history, release: *release }
+            }
+            Self::Stress { history } => Self::Stress { history: history.until(end) },
+            other => other.clone(),
+        }
+    }
+
     /// It can send a jump into a bar that rests: one that it imposes at some time, that of a release, or of a body or wall that is struck.
     pub fn is_sudden(&self) -> bool {
         match self {

@@ -94,6 +94,24 @@ impl History {
         &self.value
     }
 
+    /// What comes before a time, s.
+    #[must_use]
+    pub fn until(&self, end: f64) -> Self {
+        let kept = self.time.partition_point(|&row| row < end);
+        if kept == self.time.len() {
+            return self.clone();
+        }
+        if kept == 0 {
+            return Self::constant(0.0);
+        }
+        let (t0, t1, v0, v1) = (self.time[kept - 1], self.time[kept], self.value[kept - 1], self.value[kept]);
+        let last = v0 + (v1 - v0) * ((end - t0) / (t1 - t0));
+        let (mut time, mut value) = (self.time[..kept].to_vec(), self.value[..kept].to_vec());
+        time.push(end);
+        value.push(last);
+        Self { time, value }
+    }
+
     /// True where the value never changes after t = 0.
     pub fn is_constant(&self) -> bool {
         self.time[0] == 0.0 && self.value.iter().all(|&v| v == self.value[0])

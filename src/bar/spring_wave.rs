@@ -35,6 +35,7 @@ pub fn at_spring(wall: &InitialFan, end: &EndCondition, at: &Segment, dt: f64) -
     let mass_per_length = at.material.density * at.end_areas()[usize::from(wall.direction < 0.0)];
     let rises = |edge: &Edge| mass_per_length * edge.speed / stiffness;
     let mut whole = wall.fan.clone();
+    begin_elastically(&mut whole, at.material.c0());
     let first = whole.edges.first_mut().filter(|edge| rises(edge) < MOST_STEPS * dt)?;
     let thrown_back = Edge { stress_behind: 0.0, strain_behind: 0.0, ..*first };
     let is_stressed = first.stress_ahead != 0.0;
@@ -47,6 +48,16 @@ pub fn at_spring(wall: &InitialFan, end: &EndCondition, at: &Segment, dt: f64) -
     }
     let fan = Fan { edges, ..wall.fan.clone() };
     Some(InitialFan { fan, delays, driver: Driver::Stress, sudden: false, ..wall.clone() })
+}
+
+/// A wave that comes with the yield stress is thrown back by a wall as plastic fronts alone. A spring throws it back to no stress first, from where the bar
+/// is loaded elastically: an elastic front that the wall does without.
+fn begin_elastically(fan: &mut Fan, c0: f64) {
+    let Some(first) = fan.edges.first().filter(|first| !first.is_elastic(c0) && first.stress_ahead != 0.0) else {
+        return;
+    };
+    let elastic = Edge { strain_behind: first.strain_ahead, stress_behind: first.stress_ahead, speed: c0, ..*first };
+    fan.edges.insert(0, elastic);
 }
 
 /// The fronts of a fan, cut into what leaves the end within each step, and when that does in the mean, s: the end goes as far as with a velocity that falls

@@ -43,10 +43,13 @@ const MOST_FADING: f64 = 1.4;
 /// steel has 1.4 to 2.4 % too much strain in the first cell with that C, and 4.3 to 4.8 % with a third of it; with it, 0.9 to 4.7 and 0.3 to 1.9 % too little.
 const NO_FADING: f64 = 0.015;
 
+/// Part of its duration by which a load has come to the first cell: a step and more.
+const STARTS: f64 = 0.05;
+
 impl SuddenLoad {
-    /// Stress (Pa) and velocity (m/s) of an end at `time` (s), given those of the scheme; none outside the time of the load.
+    /// Stress (Pa) and velocity (m/s) of an end at `time` (s), given those of the scheme; none outside the time of the load, and where nothing is carried.
     pub fn end(&self, time: f64, [stress, velocity]: [f64; 2]) -> Option<[f64; 2]> {
-        let weight = self.weight(time)?;
+        let weight = self.weight(time).filter(|_| !self.has_parted(time, stress))?;
         if let Some(impedance) = self.by_body {
             return Some([self.blend(time, self.stress + impedance * (velocity - self.velocity), stress), velocity]);
         }
@@ -57,6 +60,9 @@ impl SuddenLoad {
     /// A quantity at `time` (s) that goes with the stress: the `known` value in the first half of the load, as far as it has faded, then a mean with
     /// that of the scheme, which goes over to the scheme's at its end.
     pub fn blend(&self, time: f64, known: f64, scheme: f64) -> f64 {
+        if self.has_parted(time, scheme) {
+            return scheme;
+        }
         let known = self.fading.map_or(known, |fading| known * fading.ratio.powf(self.earliness(time)));
         self.weight(time).map_or(scheme, |weight| mean(weight, known, scheme))
     }
@@ -80,6 +86,11 @@ impl SuddenLoad {
             let elapsed = (time - self.from).max(early);
             (late / elapsed).ln() / (late / early).ln()
         })
+    }
+
+    /// Nothing is carried any more, as by an end that has fractured.
+    fn has_parted(&self, time: f64, scheme: f64) -> bool {
+        scheme == 0.0 && time - self.from > STARTS * self.lasts
     }
 
     fn weight(&self, time: f64) -> Option<f64> {

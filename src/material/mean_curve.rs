@@ -167,7 +167,12 @@ mod tests {
 
     fn test(knots: &[(f64, f64)], scale: f64, beyond: Beyond) -> TestCurve {
         let rows: Vec<_> = knots.iter().map(|&(e, s)| (scale * e, scale * s)).collect();
-        TestCurve { record: "a".into(), modulus: 200e9, curve: Curve::new(&rows, beyond).expect("a curve") }
+        TestCurve {
+            record: "a".into(),
+            modulus: 200e9,
+            density: None,
+            curve: Curve::new(&rows, beyond).expect("a curve"),
+        }
     }
 
     fn near(found: &[(f64, f64)], expected: impl Iterator<Item = (f64, f64)>) {

@@ -35,7 +35,8 @@ pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow
     let _: Result<(), Early> = simulate(&mut run, WORK_BETWEEN_CALLS);
     let (audit, bar) = (run.audit, run.bar);
     let parted = !View::ruptures(&bar).is_empty();
-    let all = initial_fans(&scene.bar, &scene.left, &scene.right);
+    let [left, right] = scene.ends_in_run();
+    let all = initial_fans(&scene.bar, &left, &right);
     let mut broken = struck_too_hard(scene, &all, parted);
     if !parted {
         broken.extend(limits(&bar).iter().filter_map(|limit| limit.broken(scene)));

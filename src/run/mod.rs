@@ -318,7 +318,8 @@ impl RunResults {
 impl<'a> RunRecorder<'a> {
     /// Opens the recorder and, if requested, the result file, or the one that is continued; `x` are the samples of the fields, m.
     fn open(scene: &'a Scene, target: &Target<'a>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
-        let initial_fans = initial_fans(&scene.bar, &scene.left, &scene.right);
+        let [left, right] = scene.ends_in_run();
+        let initial_fans = initial_fans(&scene.bar, &left, &right);
         let critical = scene.critical_velocity();
         let (output, layout) = (target.path, layout(scene, x, sampling));
         let writer = match (output, &target.checkpoint) {
@@ -441,6 +442,7 @@ impl<'a> RunRecorder<'a> {
     fn summary(self, outcome: &str, results: RunResults, figures: Figures) -> Summary {
         let [method, scheme] = self.scene.solve.method.names();
         let [left, right] = results.ends;
+        let as_theory = results.elastic && !results.parted();
         Summary {
             scene: self.scene.title.clone(),
             outcome: outcome.to_owned(),
@@ -467,7 +469,7 @@ impl<'a> RunRecorder<'a> {
             critical_velocity: self.critical,
             above_critical: self.above_critical(),
             errors: results.error.as_ref().and_then(|error| error.table),
-            elastic_check: results.elastic_check.filter(|_| results.elastic),
+            elastic_check: results.elastic_check.filter(|_| as_theory),
             ledger: results.ledger,
             error: results.error,
             choice: None,

@@ -187,6 +187,11 @@ impl StartingFan {
         step < self.steps && self.first < self.steps
     }
 
+    /// It is imposed at the end of this step for the last time, if it has started.
+    pub fn end_after(&mut self, step: usize) {
+        self.steps = self.steps.min(step + 1);
+    }
+
     /// This is the last step at the end of which it is imposed.
     pub fn ends_at(&self, step: usize) -> bool {
         step + 1 == self.steps

@@ -168,7 +168,8 @@ pub fn plan(scene: &Scene) -> Plan {
     let scene = decided.as_ref().unwrap_or(scene);
     let (chosen, choice) = choose(scene, within).unzip();
     let scene = chosen.as_ref().unwrap_or(scene);
-    let all = initial_fans(&scene.bar, &scene.left, &scene.right);
+    let [left, right] = scene.ends_in_run();
+    let all = initial_fans(&scene.bar, &left, &right);
     let (asked, cut) = (scene, scene.in_pieces());
     let scene = cut.as_ref().unwrap_or(scene);
     let [method, scheme] = scene.solve.method.names();

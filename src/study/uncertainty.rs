@@ -156,6 +156,7 @@ mod tests {
         let test = |scale: f64| TestCurve {
             record: "a".into(),
             modulus: 200e9,
+            density: None,
             curve: Curve::new(&[(0.001, 200e6), (0.1 * scale, 300e6)], Beyond::Rupture).expect("a curve"),
         };
         let found = of_tests(&[test(0.9), test(1.0), test(1.1)], 8000.0);

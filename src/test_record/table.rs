@@ -49,8 +49,6 @@ pub struct Record {
     pub units_named: UnitsNamed,
     /// The measure that the headings name; none where they name none.
     pub measure: Option<Measure>,
-    /// The heading that names no measure beside one that does.
-    pub silent: Option<String>,
     document: Document,
     spans: Vec<std::ops::Range<usize>>,
 }
@@ -95,12 +93,12 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
         rows.push((number(&document, &line.cells[0])? * strain, number(&document, &line.cells[1])? * stress));
         spans.push(line.span.clone());
     }
-    let (measure, silent) = measure(&document, &table, [&abscissa, &ordinate], reading)?;
+    let measure = measure(&document, &table, [&abscissa, &ordinate], reading)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let encoded = encoding.map_or_else(String::new, |encoding| format!("; the text is {encoding}"));
     let columns = describe(&table, &abscissa, &ordinate) + &encoded;
     let units_named = UnitsNamed { strain: abscissa.named || abscissa.kind == Kind::Extension, stress: ordinate.named };
-    Ok(Record { name, rows, columns, units_named, measure, silent, document, spans })
+    Ok(Record { name, rows, columns, units_named, measure, document, spans })
 }
 
 const ABSCISSA: [Kind; 2] = [Kind::Strain, Kind::Extension];
@@ -126,26 +124,17 @@ fn pair(document: &Document, table: &Table, reading: &Reading) -> Result<[(Kind,
     Ok(both(Measure::True).ok().filter(|others| are_true(others) == 2).unwrap_or(columns))
 }
 
-/// The measure that the headings of the two columns name, and the heading that names none, which goes with the other.
-fn measure(
-    document: &Document,
-    table: &Table,
-    columns: [&Column; 2],
-    reading: &Reading,
-) -> Result<(Option<Measure>, Option<String>)> {
+/// The measure that the headings of the two columns name; none where they name none. A heading that names true values beside one that names nothing
+/// may be on either: programs call strains true that stand beside engineering stresses.
+fn measure(document: &Document, table: &Table, columns: [&Column; 2], reading: &Reading) -> Result<Option<Measure>> {
     let [strain, stress] = columns.map(|column| heading::measure(&column.title, column.kind));
-    let contradict = strain.zip(stress).is_some_and(|(strain, stress)| strain != stress);
-    if reading.measure.is_some() || !contradict {
-        let silent = match (strain, stress) {
-            (Some(_), None) => Some(columns[1].title.clone()),
-            (None, Some(_)) => Some(columns[0].title.clone()),
-            _ => None,
-        };
-        return Ok((strain.or(stress), silent));
+    let one_is_true = [strain, stress].contains(&Some(Measure::True)) && strain != stress;
+    if reading.measure.is_some() || !one_is_true {
+        return Ok(strain.or(stress));
     }
     let span = table.header.as_ref().map_or(0..0, |header| header.span.clone());
-    let message = format!("`{}` and `{}` are of different measures", columns[0].title, columns[1].title);
-    let help = "name columns of one measure, or state that of both with --measure true or --measure engineering";
+    let message = format!("only one of `{}` and `{}` is named as true", columns[0].title, columns[1].title);
+    let help = "state the measure of both with --measure true or --measure engineering, or convert one of the columns";
     Err(document.error(span, "", message).allowed("both engineering or both true").help(help).into())
 }
 

@@ -279,3 +279,59 @@ fn bars_that_rest_side_by_side_do_not_press_on_each_other() {
         case.assert_near("equal bars", pointer, &[300, 1000], 0.0051);
     }
 }
+
+/// Summary of a steel or copper bar of 20 mm diameter with these ends.
+fn summary(material: &str, velocity: f64, ends: [&str; 2], until: &str) -> Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [left, right] = ends;
+    let scene = format!(
+        "[bar]\nlength = 0.5\ndiameter = \"20 mm\"\nmaterial = {material}\nvelocity = {velocity}\n[left]\n{left}\n[right]\n{right}\n\
+         [solve]\nuntil = \"{until}\"\ncells = 200\n"
+    );
+    std::fs::write(folder.path().join("scene.toml"), &scene).expect("a folder to write to");
+    let run = binary::barwave(folder.path(), &["run", "--json", "scene.toml"]);
+    assert_eq!(run.status.code(), Some(0), "{}\n{scene}", String::from_utf8_lossy(&run.stderr));
+    serde_json::from_slice(&run.stdout).expect("JSON")
+}
+
+/// A velocity above the critical one that comes after the end of the run, or after the release, broke the bar at t = 0.
+#[test]
+fn what_comes_after_the_run_or_the_release_breaks_nothing() {
+    let copper = "\"copper-annealed\"";
+    let of = |left: &str| summary(copper, 0.0, [left, FREE], "80 us");
+    let moved = |more: &str| format!("kind = \"velocity\"\n{more}");
+    for harmless in [
+        "history = [[0, -20], [\"300 us\", -20], [\"300 us\", -115]]",
+        "history = [[0, 0], [1, -2000]]",
+        "history = [[0, -20], [\"50 us\", -20], [\"50 us\", -115]]\nrelease = \"40 us\"",
+    ] {
+        let found = of(&moved(harmless));
+        assert_eq!((&found["outcome"], &found["above_critical"]), (&"done".into(), &false.into()), "{harmless}");
+    }
+    let reached = of(&moved("history = [[0, 0], [\"20 us\", -115]]"));
+    assert_eq!((&reached["outcome"], &reached["above_critical"]), (&"rupture".into(), &true.into()));
+    assert!(!reached["audit"].to_string().contains("at t = 0"), "{}", reached["audit"]);
+}
+
+/// Pulses shorter than the length over which lateral inertia smooths edges, and the loads of bars that move against springs and dashpots, were no loads for
+/// its estimate.
+#[test]
+fn lateral_inertia_is_estimated_for_short_pulses_and_for_moving_bars() {
+    let steel =
+        "{ density = 8000, modulus = 200e9, poisson = 0.3, curve = { table = [[0.002, 400e6], [0.02, 500e6]] } }";
+    let estimate = |velocity: f64, ends: [&str; 2]| {
+        let found = summary(steel, velocity, ends, "90 us");
+        let rows = found["audit"].as_array().expect("an audit").clone();
+        let row = rows.iter().find(|row| row["effect"] == "lateral-inertia").expect("an estimate").clone();
+        row["estimate"].as_f64().unwrap_or_else(|| panic!("{row}"))
+    };
+    let pulse = |time: f64| estimate(0.0, [&format!("kind = \"velocity\"\nvalue = 5\nrelease = {time:e}"), FREE]);
+    for time in [2e-7, 1e-6, 2e-6] {
+        assert!(pulse(time) > 0.5, "{time}: {}", pulse(time));
+    }
+    let wall = estimate(5.0, [FREE, "kind = \"wall\""]);
+    for stop in ["kind = \"spring\"\nstiffness = 1e12", "kind = \"dashpot\"\ncoefficient = 1e9"] {
+        let found = estimate(5.0, [FREE, stop]);
+        assert!((found / wall - 1.0).abs() < 0.05, "{stop}: {found} {wall}");
+    }
+}

@@ -304,6 +304,22 @@ fn a_pulled_end_breaks_at_the_threshold() {
     }
 }
 
+/// An end that has broken off drives the bar no longer, and its history shows that: it was made to follow the fan of its load for 24 cells, and the bar broke
+/// again and again beside it.
+#[test]
+fn an_end_that_has_broken_off_drives_no_fan() {
+    let left = "kind = \"velocity\"\nvalue = -30";
+    let effects = "hardening = \"isotropic\"\nrupture = { energy = 500e3 }";
+    let of = |cells: usize| {
+        let solve = format!("until = 30e-6\nmethod = \"fd\"\ncells = {cells}");
+        stepped(&bar(SOFT, left, "kind = \"free\"", effects, &solve)).ruptures().to_vec()
+    };
+    for cells in [500, 2000] {
+        let ruptures = of(cells);
+        assert!(ruptures.len() == 1 && ruptures[0].site == Site::Left, "{cells}: {ruptures:?}");
+    }
+}
+
 /// Flow that takes hardly any time breaks the bar as flow that takes none; flow that takes longer lets it hold longer, since
 /// the overstress carries the strain away.
 #[test]

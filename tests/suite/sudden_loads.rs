@@ -365,6 +365,29 @@ fn a_stiff_spring_starts_its_wave_as_another_one_comes_to_it() {
     }
 }
 
+/// The precursor of a plastic wave comes with just the yield stress, and a wall would throw it back as a plastic wave alone. A spring takes the bar
+/// to no stress first, and from there elastically: its force rises as `2 sigma_y A (1 - exp(-k t/Z))`, not nine times as fast.
+#[test]
+fn a_spring_answers_a_precursor_elastically() {
+    let material = "{ density = 2700, modulus = \"120 GPa\", curve = { table = [[0, 0], [0.0004166666666666667, 50], [0.08041666666666666, 146]], unit = \"MPa\" } }";
+    for (stiffness, until) in [(6e8, 48.0), (6e9, 46.0)] {
+        let scene = format!(
+            "[bar]\nlength = 0.3\narea = 3e-4\nmaterial = {material}\n[left]\nkind = \"velocity\"\nvalue = -8\n[right]\nkind = \"spring\"\n\
+             stiffness = {stiffness:e}\n"
+        );
+        let until = format!("{until} us");
+        let of = |solve: &str| figure(&scene, &until, solve, "/figures/right/peak_force_N");
+        let exact = of("method = \"moc\"\nfront-tolerance = 1e-4");
+        for (scheme, cells) in ["leapfrog", "muscl"].into_iter().flat_map(|s| [(s, 1000), (s, 4000)]) {
+            let found = of(&format!("method = \"fd\"\nscheme = \"{scheme}\"\ncells = {cells}"));
+            assert!(
+                (found / exact - 1.0).abs() < 0.01,
+                "{stiffness:e} N/m, {scheme}, {cells} cells: {found:e} for {exact:e}"
+            );
+        }
+    }
+}
+
 /// The velocity of the bar changes along it, and the curve is followed both ways, so that unloading waves are fans, too. Those of the left end, later, were
 /// taken for its start: cells 1 to 4 moved at once.
 #[test]

@@ -140,13 +140,10 @@ impl Args {
     /// The measure of the values of a record, and what says so.
     fn measure(&self, record: &Record) -> String {
         let measure = if self.is_true(record) { "true" } else { "engineering" };
-        let says = match (self.measure, record.measure, &record.silent) {
-            (Some(_), ..) => "by --measure".into(),
-            (None, Some(_), Some(title)) => {
-                format!("by one heading; `{title}` names none: --measure states another one")
-            }
-            (None, Some(_), None) => "by the headings".into(),
-            (None, None, _) => "assumed: the headings name none".to_owned(),
+        let says = match (self.measure, record.measure) {
+            (Some(_), _) => "by --measure",
+            (None, Some(_)) => "by the headings",
+            (None, None) => "assumed: the headings name none",
         };
         format!("{measure} ({says})")
     }

@@ -88,8 +88,12 @@ impl Sizes {
         }
         let step = (width / c0).max(case.until / SAMPLES as f64);
         let count = (case.until / step).ceil() as usize + 1;
-        // Quiet before and after, and read at middles, so that edges at the very start count whole.
-        let read = |i: usize| if i < 3 { 0.0 } else { (pulse.stress)((i as f64 - 2.5) * step) };
+        // Quiet before and after, and read inside the steps, so that edges at the very start count whole; the largest value of each, so that no pulse is
+        // too short.
+        let inside = (SAMPLES / count).max(1);
+        let at = |i: usize, k: usize| (pulse.stress)(((i - 3) as f64 + (k as f64 + 0.5) / inside as f64) * step);
+        let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        let read = |i: usize| if i < 3 { 0.0 } else { (0..inside).map(|k| at(i, k)).fold(0.0, larger) };
         let values: Vec<f64> = (0..count + 3).map(read).collect();
         let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
         let change = width / 3.0 * values.windows(4).map(third).sum::<f64>();
@@ -152,6 +156,13 @@ fn imposed<'a>(end: &'a EndCondition, at: &Segment, inward: f64) -> Option<Box<d
         EndCondition::Striker { mass, velocity } if (velocity - rest) * inward > 0.0 => {
             let (stress, slowing) = (impedance * (velocity - rest), impedance * at.area / mass);
             Some(Box::new(move |t| stress * (-slowing * t).exp()))
+        }
+        EndCondition::Spring { stiffness } if rest != 0.0 => {
+            let rise = stiffness / (impedance * at.area);
+            Some(Box::new(move |t: f64| impedance * rest * -(-rise * t).exp_m1()))
+        }
+        EndCondition::Dashpot { coefficient } => {
+            constant(impedance * rest * coefficient / (impedance * at.area + coefficient), 0.0)
         }
         _ => None,
     }

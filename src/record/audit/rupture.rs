@@ -78,8 +78,9 @@ fn broken(finding: String) -> AuditRow {
 /// An impact above the critical velocity, seen before the first step.
 pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
     initial_fan.fan.above_critical.then(|| {
+        let when = if initial_fan.sudden { "at t = 0" } else { "once it is reached" };
         let finding = std::format!(
-            "the impact velocity at the {} end exceeds the critical velocity of {} ({} at {}); the strain localizes and the bar fractures there at t = 0; the run continues with the end stress held at the ultimate stress",
+            "the impact velocity at the {} end exceeds the critical velocity of {} ({} at {}); the strain localizes and the bar fractures there {when}; the run continues with the end stress held at the ultimate stress",
             initial_fan.origin,
             material.name,
             format(critical_velocity, Dimension::Velocity, System::Si),

@@ -19,6 +19,7 @@ use super::leapfrog::Leapfrog;
 use crate::bar::joint;
 use crate::law::LANES;
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
+use crate::solver::StartingFan;
 
 /// The wave that frees a broken place is behind the one that would break the next cell too, where both run with the
 /// elastic speed. No cell breaks that is this near to that wave, measured in cells.
@@ -303,6 +304,22 @@ impl Leapfrog {
             }
             _ => self.part(node),
         }
+        self.end_fans(segment, site);
+    }
+
+    /// Ends the fans that a fracture in a segment, or at its end or joint, takes from their course. Those of a joint are imposed once more, in which its sides
+    /// get back what they owe.
+    fn end_fans(&mut self, segment: usize, site: Site) {
+        let beside = |fan: &StartingFan| match site {
+            Site::Joint(k) => fan.segment == k || fan.segment == k + 1,
+            _ => fan.segment == segment,
+        };
+        let joint_of = |fan: &StartingFan| fan.segment + fan.side;
+        let joints: Vec<usize> = self.fans.iter().filter(|fan| fan.at_joint && beside(fan)).map(joint_of).collect();
+        for fan in self.fans.iter_mut().filter(|fan| fan.at_joint && joints.contains(&joint_of(fan))) {
+            fan.end_after(self.step);
+        }
+        self.fans.retain(|fan| fan.at_joint || !beside(fan));
     }
 
     /// The node at which the bar parts: numbers of nodes are those of the cells to their right.

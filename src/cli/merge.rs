@@ -27,7 +27,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     if !is_result(&args.output) {
-        return Err(InputError::new(format!("`{}` is no name of an HDF5 file", args.output.display()))
+        return Err(InputError::new(format!("`{}` is not the name of an HDF5 file", args.output.display()))
             .key("-o")
             .allowed("a file name ending in .h5 or .hdf5")
             .help("the table is written beside it, as .csv: such as -o speeds.h5")

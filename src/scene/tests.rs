@@ -283,6 +283,8 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
     let read = || Scene::parse("a.toml", &text, folder.path(), &[]);
     for content in [
         "time [us],velocity [ft/s]\n0,0\n10,-100\n",
+        "time_us,end_velocity_ft/s\n0,0\n10,-100\n",
+        "time [us],velocity_ft/s\n0,0\n10,-100\n",
         "# measured\n\"time (us)\";\"v (ft/s)\"\r\n0;0\r\n10;-100\r\n\r\n",
         "0\t0\n1e-5\t-30.48\n",
         "0,0\n10 us,-100 ft/s",
@@ -298,6 +300,7 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
         ("0,0\nx,y\n", 2, "does not start with a number"),
         ("0,0\n-1,0\n", 2, "out of range"),
         ("time,v\n", 1, "at least one row"),
+        ("velocity [m/s],time [us]\n0,0\n", 1, "the first column is `velocity [m/s]`, not a time"),
     ] {
         write(content);
         let Err(Error::Input(error)) = read() else { panic!("{content}: accepted") };

@@ -491,7 +491,7 @@ fn records_that_cannot_be_reduced_are_refused() {
         transmitted: test.transmitted.iter().map(|e| -e).collect(),
     };
     negative.write(&path.join("negative.csv"), MICRO, [0.0; 2]);
-    refusal("negative.csv", &["negative.csv", "transmitted pulse", "the same sense", "wrong sign"]);
+    refusal("negative.csv", &["negative.csv", "transmitted pulse", "the same sign", "wrong sign"]);
 }
 
 #[test]

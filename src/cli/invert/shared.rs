@@ -144,7 +144,7 @@ impl Outputs {
 /// The curve of a measurement that is no material's.
 fn no_material(error: Error) -> Error {
     let Error::Input(error) = error else { return error };
-    let message = format!("the curve is no material's, and nothing is written: {}", error.message);
+    let message = format!("the curve cannot be that of a material, and nothing is written: {}", error.message);
     let help = "check the record, its units and what is known beside it; --csv and --plot show the curve";
     Error::Input(InputError::new(message).key("-o").allowed(error.allowed).help(help))
 }

@@ -1,7 +1,7 @@
 //! Rows from a file with two columns, as a history has them in time and an initial state in x; see [`crate::columns`] for delimiters and decimal marks.
 //!
-//! A first line that holds no number names the columns; a unit in brackets there, `time [us]` or `stress (MPa)`,
-//! holds for its column. Without one numbers are SI.
+//! A first line that holds no number names the columns; a unit in brackets there, `time [us]` or `stress (MPa)`, or behind an underscore, `time_us`, holds
+//! for its column. Without one numbers are SI.
 
 use std::path::Path;
 
@@ -81,10 +81,16 @@ fn read<T>(
     if let Some(header) = columns.header.as_ref().filter(|row| !abscissa.is_named(&row.cells[0].text)) {
         let [first, second] = header.cells.each_ref().map(|cell| &cell.text);
         let error = document.error(header.span.clone(), key, format!("the first column is `{first}`, not {what}"));
-        let help = format!("name the columns, with their units, e.g. `{example},{second}`; the first one is the {key}");
+        let help = if abscissa.is_named(second) {
+            format!("exchange the columns: the first one is the {key}")
+        } else {
+            format!("name the columns, with their units, e.g. `{example},{second}`; the first one is the {key}")
+        };
         return Err(error.allowed(format!("a header that starts with {key}, or none")).help(help).into());
     }
-    let units = columns.header.as_ref().map_or([None, None], |row| row.cells.each_ref().map(|cell| unit(&cell.text)));
+    let header = columns.header.as_ref();
+    let units = [(0, abscissa.dimension), (1, dimension)]
+        .map(|(column, dimension)| header.and_then(|row| unit(&row.cells[column].text, dimension)));
     let mut pairs = Vec::with_capacity(columns.rows.len());
     for row in &columns.rows {
         let number = |column: usize, key: &str, dimension, allowed| {
@@ -104,14 +110,20 @@ impl Abscissa {
     /// A column with one of the names, `Time (us)`, `x [mm]`, ..., or in a unit of the quantity.
     fn is_named(&self, header: &str) -> bool {
         let name = header.split(['[', '(', '_', ' ', '/']).next().unwrap_or_default().to_lowercase();
-        let in_unit = |unit| Quantity::Text(format!("1 {unit}")).si(self.dimension).is_ok();
-        unit(header).is_some_and(in_unit) || self.names.contains(&name.as_str())
+        let in_unit = |unit: &str| is_unit(unit, self.dimension);
+        unit(header, self.dimension).is_some_and(in_unit) || self.names.contains(&name.as_str())
     }
 }
 
-/// The unit in "time [us]" or "time (us)".
-fn unit(header: &str) -> Option<&str> {
-    let open = header.find(['[', '('])?;
+fn is_unit(text: &str, dimension: Dimension) -> bool {
+    Quantity::Text(format!("1 {text}")).si(dimension).is_ok()
+}
+
+/// The unit in `time [us]` or `time (us)`, or, of this dimension, in `time_us`.
+fn unit(header: &str, dimension: Dimension) -> Option<&str> {
+    let Some(open) = header.find(['[', '(']) else {
+        return header.rsplit_once('_').map(|(_, unit)| unit.trim()).filter(|unit| is_unit(unit, dimension));
+    };
     header[open + 1..].strip_suffix([']', ')']).map(str::trim).filter(|u| !u.is_empty())
 }
 

@@ -175,7 +175,7 @@ macro_rules! driven {
             pub value: Option<Of<$measure>>,
             /// Rows [time, value]; linear between rows; a repeated time is a jump; the last value is held. Times never decrease.
             pub history: Option<Placed<Rows<measures::Time, $measure>>>,
-            /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A header line gives the names of the columns and, in brackets, their units: `time [us],velocity [ft/s]`.
+            /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A header line gives the names of the columns and, in brackets or behind an underscore, their units: `time [us],velocity [ft/s]` or `time_us,velocity_ft/s`.
             pub csv: Option<Placed<String>>,
             $($own)*
         }

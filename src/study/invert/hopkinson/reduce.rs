@@ -186,19 +186,17 @@ fn senses(moments: &[Moment]) -> Result<()> {
     let sum = |of: fn(&Moment) -> f64| moments.iter().map(of).sum::<f64>();
     let incident = sum(|m| m.incident);
     let wrong = |pulse: &str, has: &str, allowed: &str, part: f64| {
-        let message = format!(
-            "the {pulse} pulse has {has} sense of the incident one: in the mean, it is {part:+.2} times as large"
-        );
+        let message = format!("the {pulse} pulse has {has} the incident pulse: its mean is {part:+.2} times as large");
         let help =
             "a gauge has the wrong sign (multiply its column by -1), columns are exchanged, or a distance is wrong";
         InputError::new(message).allowed(allowed).help(help)
     };
     let (reflected, transmitted) = (sum(|m| m.reflected) / incident, sum(|m| m.transmitted) / incident);
     if transmitted < -WRONG_SENSE {
-        return Err(wrong("transmitted", "not the", "the same sense", transmitted).into());
+        return Err(wrong("transmitted", "the opposite sign of", "the same sign", transmitted).into());
     }
     if reflected > WRONG_SENSE {
-        return Err(wrong("reflected", "the", "the other sense", reflected).into());
+        return Err(wrong("reflected", "the same sign as", "the opposite sign", reflected).into());
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ mod sudden_fans;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, InitialFan, Origin, Segment, SuddenLoads, first_fans};
+use crate::bar::{Bar, EndCondition, InitialFan, Origin, Segment, SuddenLoads, first_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -67,7 +67,7 @@ pub fn grid(scene: &Scene, cells: usize, cfl: f64) -> Grid {
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
-    let ends = [scene.left.clone(), scene.right.clone()];
+    let ends = ends_on_grid(scene);
     let at_once = scene.effects.rate.is_none();
     let along = along(&scene.bar, &scene.effects).unwrap_or_default();
     let (fans, sudden) = start(scene, &grid, &along);
@@ -77,6 +77,23 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
         Some(criteria) => bar.that_breaks(criteria, above_critical(scene, &fans)),
         None => bar,
     }
+}
+
+/// The ends as they drive a grid. A prescribed stress above all that the curve carries holds the end at the largest stress of the curve, as by front
+/// tracking: the first cell would take up the momentum of what is above, and give it back once the stress falls. In a bar that may break, the strain
+/// of that cell tells when.
+fn ends_on_grid(scene: &Scene) -> [EndCondition; 2] {
+    let limited = follows_curves(scene) && scene.effects.rupture.is_none();
+    let last = scene.bar.segments.len() - 1;
+    [(&scene.left, 0), (&scene.right, last)].map(|(end, segment)| match end {
+        EndCondition::Stress { history } if limited => {
+            let material = &scene.bar.segments[segment].material;
+            let [tension, compression] = [Sense::Tension, Sense::Compression]
+                .map(|sense| material.branch(sense).ultimate().map_or(f64::INFINITY, |ultimate| ultimate.stress));
+            EndCondition::Stress { history: history.within([-compression, tension]) }
+        }
+        end => end.clone(),
+    })
 }
 
 /// The left and the right end are struck or pulled faster than waves along the curve can carry away.
@@ -122,7 +139,7 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let mut fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_MUSCL);
     let sudden = sudden_loads(scene, &fans, &grid, 1.0);
     fans.extend(sudden_fans::at_springs(scene, &grid, sudden_fans::LATE_IN_MUSCL));
-    let ends = [scene.left.clone(), scene.right.clone()];
+    let ends = ends_on_grid(scene);
     let bar = Muscl::new(&scene.bar, grid, laws, media, ends);
     let bar = if follows_curves(scene) { bar.starting_with(&fans) } else { bar };
     bar.under_sudden_loads(sudden)

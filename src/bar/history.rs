@@ -84,6 +84,25 @@ impl History {
         Self { time: self.time.clone(), value: self.value.iter().map(|v| factor * v).collect() }
     }
 
+    /// The same with every value below `low` replaced by `low`, and above `high` by `high`; low <= high.
+    #[must_use]
+    pub fn within(&self, [low, high]: [f64; 2]) -> Self {
+        let (mut time, mut value) = (Vec::with_capacity(self.time.len()), Vec::with_capacity(self.time.len()));
+        for (k, (&t, &v)) in self.time.iter().zip(&self.value).enumerate() {
+            if let Some((t0, v0)) = k.checked_sub(1).map(|k| (self.time[k], self.value[k])).filter(|(t0, _)| *t0 < t) {
+                let mut limits = [low, high].map(|limit| (t0 + (t - t0) * ((limit - v0) / (v - v0)), limit));
+                limits.sort_by(|a, b| a.0.total_cmp(&b.0));
+                for (crossing, limit) in limits.into_iter().filter(|(crossing, _)| t0 < *crossing && *crossing < t) {
+                    time.push(crossing);
+                    value.push(limit);
+                }
+            }
+            time.push(t);
+            value.push(v.clamp(low, high));
+        }
+        Self { time, value }
+    }
+
     /// The rows' times, s.
     pub fn time(&self) -> &[f64] {
         &self.time
@@ -208,6 +227,17 @@ mod tests {
         assert_eq!(h.mean(5.0, 9.0), 1.0);
         assert_eq!(h.at(2.0), 1.0);
         assert_eq!(h.at(1.0), 2.0);
+    }
+
+    #[test]
+    fn limits_are_met_where_the_value_crosses_them() {
+        let h = History::new(&[(0.0, 0.0), (2.0, 4.0), (2.0, -8.0), (4.0, 0.0)]).expect("rows are right");
+        let limited = h.within([-4.0, 2.0]);
+        assert_eq!(limited.time(), [0.0, 1.0, 2.0, 2.0, 3.0, 4.0]);
+        assert_eq!(limited.value(), [0.0, 2.0, 2.0, -4.0, -4.0, 0.0]);
+        assert_eq!(h.within([f64::NEG_INFINITY, f64::INFINITY]), h);
+        let through_both = History::new(&[(0.0, -3.0), (1.0, 3.0)]).expect("rows are right").within([-1.0, 2.0]);
+        assert_eq!(through_both.value(), [-1.0, -1.0, 2.0, 2.0]);
     }
 
     #[test]

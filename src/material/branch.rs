@@ -32,6 +32,8 @@ pub(super) struct Given<'a> {
     pub(super) sense: Sense,
     beyond: Beyond,
     how: Tabulate,
+    /// The unit of its stresses is named.
+    has_unit: bool,
     data: Data<'a>,
 }
 
@@ -65,6 +67,7 @@ impl<'a> Given<'a> {
             sense,
             beyond: beyond.unwrap_or(Beyond::Error),
             how: tabulate(curve.tabulate.as_ref(), sense, keys)?,
+            has_unit: curve.unit.is_some(),
             data: Data::read(raw, name, keys)?,
         })
     }
@@ -145,15 +148,17 @@ impl<'a> Given<'a> {
         if matches!(self.data, Data::Law(..)) {
             return Ok(());
         }
-        let message = format!(
-            "the initial slope of the curve is {ratio:.2e} of the modulus {modulus:e} Pa: the stresses seem to be in {unit}, \
-             not in Pa"
-        );
-        let help = format!(
-            "set unit = \"{unit}\" in [{}] (in a CSV file: a header `strain,stress_{unit}`), or write stresses with their \
-             unit; and check the modulus",
-            self.name
-        );
+        let slope = format!("the initial slope of the curve is {ratio:.2e} of the modulus {modulus:e} Pa");
+        let (message, help) = if self.has_unit {
+            (slope, "check the modulus, and the unit of the stresses".to_owned())
+        } else {
+            let help = format!(
+                "set unit = \"{unit}\" in [{}] (in a CSV file: a header `strain,stress_{unit}`), or write stresses with \
+                 their unit; and check the modulus",
+                self.name
+            );
+            (format!("{slope}: the stresses seem to be in {unit}, not in Pa"), help)
+        };
         let row = self.row_of_knot(1);
         Err(self
             .at_row(row, message, keys)

@@ -15,8 +15,8 @@ const AT_THE_END: f64 = 1.0 - 1e-12;
 /// Looks for that in the front segments of the fronts, which know every state that the bar was ever in, and in the bar itself.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Breaks {
-    /// Where strain gathers inside the bar: segment, since when (s), and place (m).
-    gathers: Option<(usize, f64, f64)>,
+    /// Where strain gathers inside the bar: segment and stress (Pa) there, since when (s), and place (m).
+    gathers: Option<((usize, f64), f64, f64)>,
     yielded: bool,
 }
 
@@ -37,8 +37,8 @@ impl Breaks {
             curve.ultimate().is_some_and(|u| stress.abs() >= AT_THE_END * u.stress)
         };
         self.gathers = bar.openings().find_map(|opening| {
-            let (segment, _) = opening.sides.into_iter().find(full)?;
-            Some((segment, opening.since, opening.x))
+            let full = opening.sides.into_iter().find(full)?;
+            Some((full, opening.since, opening.x))
         });
     }
 
@@ -57,12 +57,12 @@ impl Breaks {
         let segments = &scene.bar.segments;
         let mut rows = Vec::new();
         for (end, (name, segment)) in bar.ends().iter().zip([("left", 0), ("right", segments.len() - 1)]) {
-            if let Some(time) = end.above_critical.filter(|&t| t > 0.0 || !told) {
-                rows.push(record::broken_end(name, time, &segments[segment].material));
+            if let Some(from) = end.above_critical.filter(|from| from.time > 0.0 || !told) {
+                rows.push(record::broken_end(name, from.time, &segments[segment].material, Sense::of(from.stress)));
             }
         }
-        if let Some((segment, time, x)) = self.gathers {
-            rows.push(record::broken_inside(time, x, &segments[segment].material));
+        if let Some(((segment, stress), time, x)) = self.gathers {
+            rows.push(record::broken_inside(time, x, &segments[segment].material, Sense::of(stress)));
         }
         rows.extend(at_limits(bar).filter_map(|limit| limit.broken(scene)));
         rows

@@ -462,7 +462,7 @@ fn heat_implies_unloading_and_says_which_method_follows_it() {
         ),
         (
             "heat = {}\nhardening = \"kinematic\"".to_owned(),
-            "(front tracking) does not simulate the effect `heat` with kinematic hardening",
+            "(front tracking) does not simulate the effect `heat` with kinematic or mixed hardening",
         ),
     ] {
         let refused = scene(&effects, "method = \"moc\"").expect_err("moc cannot");

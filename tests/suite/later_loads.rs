@@ -130,6 +130,16 @@ fn an_open_gap_has_no_force() {
     }
 }
 
+/// Under 1 GPa annealed copper carries its largest stress, not 1 GPa; leapfrog's end had four times the impulse of front tracking's.
+#[test]
+fn a_stress_above_the_curve_gives_the_impulse_of_its_largest_stress() {
+    let curve =
+        "beyond = \"rupture\", curve = { table = [[0.0005, 57.5e6], [0.01, 130e6], [0.05, 200e6], [0.3, 230e6]] }";
+    let bar = segment(0.5, &format!("{{ density = 8900, modulus = 115e9, {curve} }}"), 0.0, "");
+    let left = "kind = \"stress\"\nhistory = [[0, 1e9], [\"50 us\", 1e9], [\"50 us\", 0]]";
+    Case::new(bar, left, FREE, "100 us").assert_near("above the curve", "left/impulse_N_s", &[250, 1000], 0.001);
+}
+
 /// The node between two blocks was set by the fans of both ends of its segment.
 #[test]
 fn two_fans_in_one_segment_leave_each_other_alone() {

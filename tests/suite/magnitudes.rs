@@ -130,6 +130,9 @@ fn a_curve_in_another_unit_than_its_modulus_is_refused_with_the_unit() {
     ] {
         assert_refused(&with(TABLE, table), &["bar.material.curve.table", &format!("seem to be in {unit}, not in Pa")]);
     }
+    // Where the unit is named it is more likely the modulus.
+    let table = "[[1e-3, 200e-3], [0.1, 400e-3]], unit = \"MPa\"";
+    assert_refused(&with(TABLE, table), &["bar.material.curve.table", "help: check the modulus, and the unit"]);
 }
 
 #[test]

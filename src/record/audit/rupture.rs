@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::finding::{DECISIVE, Finding};
 use super::places::Places;
 use super::{AuditRow, Reading};
-use crate::bar::InitialFan;
+use crate::bar::{Driver, InitialFan};
 use crate::law::{Limit, Reached};
 use crate::material::{Material, Sense, UltimateReason};
 use crate::solver::fd::{CELLS_TO_BREAK, Unresolved};
@@ -75,19 +75,31 @@ fn broken(finding: String) -> AuditRow {
     AuditRow { effect: "rupture".into(), estimate: DECISIVE, threshold: DECISIVE, finding, remedy: String::new() }
 }
 
-/// An impact above the critical velocity, seen before the first step.
+/// A load beyond what the curve carries, seen before the first step: an impact above the critical velocity, or a stress above the ultimate one.
 pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
-    initial_fan.fan.above_critical.then(|| {
-        let when = if initial_fan.sudden { "at t = 0" } else { "once it is reached" };
-        let finding = std::format!(
-            "the impact velocity at the {} end exceeds the critical velocity of {} ({} at {}); the strain localizes and the bar fractures there {when}; the run continues with the end stress held at the ultimate stress",
-            initial_fan.origin,
-            material.name,
-            format(critical_velocity, Dimension::Velocity, System::Si),
-            format(initial_fan.fan.stress, Dimension::Stress, System::Si),
-        );
-        broken(finding)
+    let fan = initial_fan;
+    fan.fan.above_critical.then(|| {
+        let (origin, name) = (fan.origin, &material.name);
+        let ultimate = format(fan.fan.stress, Dimension::Stress, System::Si);
+        let exceeds = if fan.driver == Driver::Stress {
+            std::format!("the stress at the {origin} end exceeds the ultimate stress of {name} ({ultimate})")
+        } else {
+            let critical = format(critical_velocity, Dimension::Velocity, System::Si);
+            std::format!("the impact velocity at the {origin} end exceeds the critical velocity of {name} ({critical} at {ultimate})")
+        };
+        let when = if fan.sudden { "at t = 0" } else { "once it is reached" };
+        broken(exceeds + &localizes(fan.sense, when, " end"))
     })
+}
+
+/// What becomes of a place where the strain localizes, and of the run.
+fn localizes(sense: Sense, when: &str, end: &str) -> String {
+    let fails = match sense {
+        Sense::Tension => "the strain localizes and the bar fractures there",
+        Sense::Compression => "the compressive strain localizes there",
+    };
+    let when = if when.is_empty() { String::new() } else { std::format!(" {when}") };
+    std::format!("; {fails}{when}; the run continues with the{end} stress held at the ultimate stress")
 }
 
 /// A place that broke at the end of its material's data for one sense.
@@ -103,25 +115,25 @@ pub fn past_data(sense: Sense, time: f64, x: f64, material: &Material) -> AuditR
     broken(finding)
 }
 
-/// An end that was driven beyond what the curve can carry away, at some time after the start.
-pub fn broken_end(end: &str, time: f64, material: &Material) -> AuditRow {
-    let finding = std::format!(
-        "from t = {} on, the velocity of the {end} end exceeds the critical velocity of {}; the strain localizes and the bar fractures there; the run continues with the end stress held at the ultimate stress",
+/// An end that was driven beyond what the curve can carry away in this sense, at some time after the start.
+pub fn broken_end(end: &str, time: f64, material: &Material, sense: Sense) -> AuditRow {
+    let exceeds = std::format!(
+        "from t = {} on, the velocity of the {end} end exceeds the critical velocity of {}",
         format(time, Dimension::Time, System::Si),
         material.name,
     );
-    broken(finding)
+    broken(exceeds + &localizes(sense, "", " end"))
 }
 
 /// A point inside the bar at which the curve is at its largest stress while its two sides continue to separate or approach.
-pub fn broken_inside(time: f64, x: f64, material: &Material) -> AuditRow {
-    let finding = std::format!(
-        "from t = {} on, the strain localizes at x = {}, where waves met and {} reached its ultimate stress; the bar fractures there; the run continues with the stress held at the ultimate stress",
+pub fn broken_inside(time: f64, x: f64, material: &Material, sense: Sense) -> AuditRow {
+    let reached = std::format!(
+        "from t = {} on, waves that met at x = {} have brought {} to its ultimate stress",
         format(time, Dimension::Time, System::Si),
         format(x, Dimension::Length, System::Si),
         material.name,
     );
-    broken(finding)
+    broken(reached + &localizes(sense, "", ""))
 }
 
 /// A tension above the fracture criterion over fewer cells than needed for fracture on a grid.

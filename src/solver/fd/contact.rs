@@ -25,6 +25,8 @@ pub(super) struct Contact {
     sides: [HalfNode; 2],
     /// Both half nodes are the characteristics of their bars where these are elastic.
     are_characteristics: bool,
+    /// Cells beside it have flowed.
+    have_flowed: bool,
     /// At the current time and a step ahead of it.
     now: joint::Contact,
     ahead: joint::Contact,
@@ -73,6 +75,7 @@ impl Contact {
             cell,
             sides: [side(0), side(1)],
             are_characteristics: [0, 1].iter().all(|&k| side(k).is_characteristic(impedances[k])),
+            have_flowed: false,
             now: contact,
             ahead: contact,
             force: 0.0,
@@ -122,7 +125,8 @@ impl Contact {
         let force = force_at(self.ahead.closing_rate(dt), &bars);
         let touches = self.ahead.advance(dt, force, free_rate(&bars));
         let force = if touches { force } else { 0.0 };
-        if bounded {
+        self.have_flowed |= flows;
+        if self.have_flowed || !self.are_characteristics {
             self.impulses.push(force, mean, choice);
         } else {
             self.impulses.take(force, mean);

@@ -44,8 +44,7 @@ pub struct EndNode {
     throughput: f64,
     /// The velocity follows from what holds the end.
     held: bool,
-    /// Cells beside it flow.
-    flows: bool,
+    cells: Cells,
     /// What the present step takes over, see [`Impulses::choose`].
     passed_on: PassedOn,
     /// It was suddenly made to move in the latest step.
@@ -55,6 +54,17 @@ pub struct EndNode {
     /// Of every step, where they are asked for.
     #[serde(skip)]
     log: Option<Vec<EndSample>>,
+}
+
+/// The cells beside an end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+enum Cells {
+    /// None has ever flowed.
+    Elastic,
+    /// Some flow.
+    Flowing,
+    /// Some have flowed.
+    Flowed,
 }
 
 /// What a step makes of an end.
@@ -118,7 +128,7 @@ impl EndNode {
             impulse: 0.0,
             throughput: 0.0,
             held: false,
-            flows: false,
+            cells: Cells::Elastic,
             passed_on: PassedOn::default(),
             struck: false,
             damped: 0.0,
@@ -169,7 +179,11 @@ impl EndNode {
 
     /// Settles what a step under the force `cell` (N) takes over from the one before, whatever the force turns out to be.
     fn prepare(&mut self, cell: f64, flows: bool) {
-        self.flows = flows;
+        self.cells = match self.cells {
+            _ if flows => Cells::Flowing,
+            Cells::Elastic => Cells::Elastic,
+            Cells::Flowing | Cells::Flowed => Cells::Flowed,
+        };
         self.passed_on = self.impulses.choose(cell, self.is_bounded());
     }
 
@@ -183,11 +197,15 @@ impl EndNode {
         // A force that the end gave before, as none where it was free, is known; else its cell tells what it carried.
         let before = if self.held || self.means[1].is_nan() { shown } else { -self.means[1] / self.face.area };
         self.stress = if self.struck { before } else { -force / self.face.area };
+        if self.model.gap(self.displacement).is_some() {
+            self.stress = self.stress.min(0.0);
+        }
         let ahead = 2.0 * force - self.impulses.passed_on(cell, self.passed_on);
         self.means = [self.means[1], ahead];
         self.start = None;
+        // Once cells have flowed, waves of a cell's length run to and fro before them, and would open contacts in every second step.
         let impulse = self.dt
-            * if self.is_exact() {
+            * if self.is_characteristic() && self.cells == Cells::Elastic {
                 self.impulses.take(ahead, cell)
             } else {
                 self.impulses.push(ahead, cell, self.passed_on)
@@ -402,14 +420,9 @@ impl EndNode {
         EndSample { now: self.start.unwrap_or_else(|| self.reading()), latest }
     }
 
-    /// The half node is the characteristic of the bar, which is elastic here.
-    fn is_exact(&self) -> bool {
-        !self.flows && self.is_characteristic()
-    }
-
     /// It stops the node at once with a force that cells may not be able to carry.
     fn is_bounded(&self) -> bool {
-        self.held && !self.is_exact()
+        self.held && (self.cells == Cells::Flowing || !self.is_characteristic())
     }
 
     /// At Courant number 1 the half node answers as an elastic bar does.

@@ -1,7 +1,7 @@
 //! The Riemann problem at an end of the bar: the relation a u + b p = c of the end against the waves of the bar.
 
 use super::FrontTracking;
-use super::end::{Answer, Arrival};
+use super::end::{Answer, Arrival, EndStep};
 use super::list::NONE;
 use super::nearness::{REST, same_motion};
 use crate::bar::ends::{Face, Relation, Response};
@@ -30,7 +30,8 @@ impl FrontTracking {
         let end = &mut self.ends[which];
         end.update(&answer);
         if answer.short && end.demands {
-            end.record.above_critical.get_or_insert(self.now);
+            let Point { stress, velocity, .. } = answer.behind;
+            end.record.above_critical.get_or_insert(EndStep { time: self.now, stress, velocity });
         }
         if which == 0 {
             // The fan's innermost state is next to the end, the state ahead to the right of the fastest front.

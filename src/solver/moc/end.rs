@@ -27,8 +27,8 @@ pub struct EndStep {
 pub struct EndRecord {
     /// Exact steps: each holds until the next.
     pub steps: Vec<EndStep>,
-    /// First time at which the stress-strain curve could not carry the imposed velocity into the bar, s.
-    pub above_critical: Option<f64>,
+    /// When the stress-strain curve could for the first time not carry into the bar what is imposed, and the state of the bar's edge then.
+    pub above_critical: Option<EndStep>,
 }
 
 /// What an end sends is in the scratch of its side; this is behind it.

@@ -108,7 +108,7 @@ impl FrontTracking {
 
     /// What drives the fans of an end or a joint is more than the curve carries away: the bar does not follow the end, or the other side.
     fn is_above_critical(&self, fans: &[InitialFan]) -> bool {
-        let short = |which: usize| self.ends[which].record.above_critical.is_some_and(|from| from <= fans[0].from);
+        let short = |which: usize| self.ends[which].record.above_critical.is_some_and(|from| from.time <= fans[0].from);
         match fans {
             [InitialFan { origin: Origin::Left, .. }] => short(0),
             [InitialFan { origin: Origin::Right, .. }] => short(1),

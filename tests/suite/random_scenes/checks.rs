@@ -144,16 +144,12 @@ const FALLS: f64 = 0.85;
 /// Runs by two methods have to come together as cells become smaller.
 fn methods_disagree(spec: &Spec, pair: &[(Method, &Figures)]) -> Option<Failure> {
     let [a, b] = [pair[0].1, pair[1].1];
-    if a.is_unstressed() && b.is_unstressed()
-        || are_different_problems(pair)
-        || is_driven_beyond_and_unloaded(spec, pair)
-    {
+    if a.is_unstressed() && b.is_unstressed() || are_different_problems(pair) {
         return None;
     }
     // The place where strain gathers has no size, so that what an end gives to it goes with the cells: see
-    // `what_goes_into_a_place_where_strain_gathers_depends_on_the_cells`, and between two grids
-    // `the_work_of_a_stress_above_the_curve_grows_with_the_cells`.
-    let gathers = a.gathers || b.gathers || driven_beyond(spec).next().is_some();
+    // `what_gathers_in_cells_comes_back_by_their_size`.
+    let gathers = a.gathers || b.gathers || driven_beyond(spec);
     let size = |differences: &Differences| differences.size(gathers);
     let (first, mut differences) = (resolved_from(spec), vec![a.differs(b)]);
     for (k, by) in FINER.into_iter().enumerate() {
@@ -207,40 +203,26 @@ fn gathers_in_smaller_cells(own: &Figures, finer: &Figures) -> bool {
     own.returns && finer.strain_of_cell > RESOLVED && finer.strain_of_cell > 2.0 * own.strain_of_cell
 }
 
-/// An end under a stress above all that its curve carries, which falls back later: see
-/// `a_stress_above_the_curve_leaves_its_impulse_in_the_end_cell`.
-fn is_driven_beyond_and_unloaded(spec: &Spec, pair: &[(Method, &Figures)]) -> bool {
-    let tracked = pair[1].0 == Method::Moc && pair.iter().any(|(_, figures)| figures.gathers);
-    tracked && driven_beyond(spec).any(|falls| falls)
-}
-
-/// The ends under a stress above all that their curves carry, and whether it falls back later. There strain gathers, by any method. After a
-/// flow in the other sense a curve carries less by what the elastic range has moved, there and back: see
-/// `an_end_that_is_turned_round_carries_less`.
-pub fn driven_beyond(spec: &Spec) -> impl Iterator<Item = bool> {
+/// Ends under a stress above all that their curves carry. There strain gathers, by any method. After a flow in the other sense a curve carries less by
+/// what the elastic range has moved, there and back: see `an_end_that_is_turned_round_carries_less`.
+pub fn driven_beyond(spec: &Spec) -> bool {
     let scene = Scene::parse("driven.toml", &spec.text(Method::Leapfrog, 1), Path::new("."), &[]);
-    let falls = scene.map_or([None; 2], |scene| {
+    scene.is_ok_and(|scene| {
         let last = scene.bar.segments.len() - 1;
         let kinematic = scene.effects.hardening.map_or(0.0, barwave::scene::HardeningRule::kinematic_fraction);
-        [(&scene.left, 0), (&scene.right, last)].map(|(end, segment)| match end {
-            EndCondition::Stress { history } => {
-                let material = &scene.bar.segments[segment].material;
-                let beyond = [Sense::Tension, Sense::Compression].iter().any(|&sense| {
-                    let most =
-                        material.branch(sense).running_maximum().stress().iter().fold(0.0, |a: f64, b| a.max(*b));
-                    let sign = if sense == Sense::Tension { 1.0 } else { -1.0 };
-                    let largest = |sign: f64| history.value().iter().fold(0.0, |a: f64, b| a.max(sign * b));
-                    let flow_stress = Table::new(material.branch(sense), material.modulus).yield_stress();
-                    let moved = 2.0 * kinematic * (largest(-sign) - flow_stress).max(0.0);
-                    largest(sign) > most - moved
-                });
-                let falls = history.value().windows(2).any(|pair| pair[1].abs() < pair[0].abs());
-                beyond.then_some(falls)
-            }
-            _ => None,
+        [(&scene.left, 0), (&scene.right, last)].into_iter().any(|(end, segment)| {
+            let EndCondition::Stress { history } = end else { return false };
+            let material = &scene.bar.segments[segment].material;
+            [(Sense::Tension, 1.0), (Sense::Compression, -1.0)].iter().any(|&(sense, sign)| {
+                let curve = material.branch(sense);
+                let most = curve.running_maximum().stress().iter().fold(0.0, |a: f64, b| a.max(*b));
+                let largest = |sign: f64| history.value().iter().fold(0.0, |a: f64, b| a.max(sign * b));
+                let flow_stress = Table::new(curve, material.modulus).yield_stress();
+                let moved = 2.0 * kinematic * (largest(-sign) - flow_stress).max(0.0);
+                largest(sign) > most - moved
+            })
         })
-    });
-    falls.into_iter().flatten()
+    })
 }
 
 /// The run that a user starts comes to its end.

@@ -131,10 +131,8 @@ fn has_thin_layer(spec: &Spec) -> bool {
 pub fn disagree(spec: &Spec) -> Vec<(Method, Failure)> {
     // Where and when a bar breaks goes with the resolution; along falling curves see tests/suite/muscl_bounds.rs.
     // A layer of an initial state that is thinner than cells is averaged there: see `a_thin_layer_of_initial_strain_is_lost_on_a_grid`.
-    let unresolved = spec.has_effect("rupture")
-        || spec.has_falling_curve()
-        || driven_beyond(spec).next().is_some()
-        || has_thin_layer(spec);
+    let unresolved =
+        spec.has_effect("rupture") || spec.has_falling_curve() || driven_beyond(spec) || has_thin_layer(spec);
     if unresolved || spec.effects.is_none() {
         return Vec::new();
     }

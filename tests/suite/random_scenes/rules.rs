@@ -61,45 +61,32 @@ cells = 80
     assert!(fall > 1e-3 * most, "no reverse flow under a back stress: heat falls by {fall:e} of {most:e} J");
 }
 
-/// The rule that exempts work and impulse of ends above critical: a level curve lets no strain leave an end that is driven beyond it. The
-/// end cell of a grid has inertia and moves ever faster, the smaller it is; front tracking knows no such cell. The bars agree.
+/// A level curve lets no strain leave an end under a stress above it. The end cell of a grid has inertia and moved ever faster under what is above, the
+/// smaller it was: the work of the end grew with the cells.
 #[test]
-fn what_goes_into_a_place_where_strain_gathers_depends_on_the_cells() {
+fn the_work_of_a_stress_above_the_curve_does_not_depend_on_the_cells() {
     let level = "{ density = 7940, modulus = 7e10, curve = { table = [[3.24e-4, 2.268e7], [0.1, 2.268e7]] } }";
-    let by = |solve: &str| {
-        let left = "kind = \"stress\"\nhistory = [[0, 0], [5.83e-4, -114e6]]";
-        let bar = bar(level).replace("0.19", "0.835");
-        figures_of(&text(&bar, left, "hardening = \"isotropic\"", &format!("until = 2.2e-4\n{solve}")))
-            .expect("it runs")
-    };
-    let tracked = by("method = \"moc\"");
-    for cells in [60, 240] {
-        let differs = by(&format!("cells = {cells}")).differs(&tracked);
-        assert!(differs.stress < 0.01 && differs.velocity < 0.05, "{cells} cells: {differs:?}");
-        assert!(differs.work > 0.2, "{cells} cells: {differs:?}");
+    let rising = "{ density = 7950, modulus = \"200 GPa\", curve = { table = [[4.23e-4, 8.459999999992e7], [3.86622e-3, 2.223287999998e8], [4.80951e-3, 2.411945999998e8], [5.30019e-3, 2.411945999998e8]] } }";
+    let scenes = [
+        (bar(level).replace("0.19", "0.835"), "[[0, 0], [5.83e-4, -114e6]]", 2.2e-4),
+        (bar(rising).replace("0.19", "0.54"), "[[0, 0], [7.45e-5, 268e6], [1.49e-4, 268e6]]", 1.4e-4),
+    ];
+    for (bar, history, until) in scenes {
+        let by = |solve: &str| {
+            let left = format!("kind = \"stress\"\nhistory = {history}");
+            let solve = format!("until = {until:e}\n{solve}");
+            figures_of(&text(&bar, &left, "hardening = \"isotropic\"", &solve)).expect("it runs")
+        };
+        let tracked = by("method = \"moc\"");
+        for (scheme, cells) in ["leapfrog", "muscl"].into_iter().flat_map(|scheme| [(scheme, 60), (scheme, 240)]) {
+            let differs = by(&format!("scheme = \"{scheme}\"\ncells = {cells}")).differs(&tracked);
+            println!("{scheme}, {cells} cells: {differs:.5?}");
+            assert!(differs.largest() < 0.05, "{scheme}, {cells} cells: {differs:?}");
+        }
     }
 }
 
-/// The same between two grids: under a stress above all that the curve carries the end cell moves ever faster, the smaller it is, and the work
-/// of the end grows with the number of cells by each scheme. The bars agree.
-#[test]
-fn the_work_of_a_stress_above_the_curve_grows_with_the_cells() {
-    let level = "{ density = 7950, modulus = \"200 GPa\", curve = { table = [[4.23e-4, 8.459999999992e7], [3.86622e-3, 2.223287999998e8], [4.80951e-3, 2.411945999998e8], [5.30019e-3, 2.411945999998e8]] } }";
-    let by = |scheme: &str, cells: usize| {
-        let left = "kind = \"stress\"\nhistory = [[0, 0], [7.45e-5, 268e6], [1.49e-4, 268e6]]";
-        let solve = format!("until = 1.4e-4\nscheme = \"{scheme}\"\ncells = {cells}");
-        figures_of(&text(&bar(level).replace("0.19", "0.54"), left, "hardening = \"isotropic\"", &solve))
-            .expect("it runs")
-    };
-    let [coarse, fine] = [60, 240].map(|cells| ["leapfrog", "muscl"].map(|scheme| by(scheme, cells)));
-    for (coarse, fine) in coarse.iter().zip(&fine) {
-        assert!(fine.work.values[0] > 1.5 * coarse.work.values[0], "{:?} {:?}", coarse.work, fine.work);
-    }
-    let differs = fine[0].differs(&fine[1]);
-    assert!(differs.stress < 0.05 && differs.velocity < 0.05, "{differs:?}");
-}
-
-/// The same along a curve that carries the stress on first loading: a pull up to 423 MPa has moved the elastic range, and a push of 441 MPa then
+/// The rule that exempts work and impulse of ends that are turned round: a curve may carry the stress on first loading, but a pull up to 423 MPa has moved the elastic range, and a push of 441 MPa then
 /// takes more hardening than the curve has. The bars agree.
 #[test]
 fn an_end_that_is_turned_round_carries_less() {
@@ -138,11 +125,10 @@ fn what_the_steps_of_a_ball_leave_goes_to_zero_with_the_tolerance() {
     assert!(fine < 0.5 * coarse && finest < 0.5 * fine, "{coarse}, {fine}, {finest} of all energy");
 }
 
-/// The rule that leaves front tracking out where a stress above all that the curve carries falls back: the impulse of what is above goes
-/// into the end cell of a grid, which then pushes on, however small it is. Front tracking has no cell for it, and holds the end stress at
-/// the largest one of the curve as long as the stress is above. The bars agree until it falls back.
+/// A stress above all that the curve carries falls back. The momentum of what is above went into the end cell of a grid, which then pushed on, however
+/// small it was: the stresses of the bar differed from front tracking's by more than 10 %.
 #[test]
-fn a_stress_above_the_curve_leaves_its_impulse_in_the_end_cell() {
+fn a_stress_above_the_curve_leaves_nothing_in_the_end_cell() {
     let level = "{ density = 6590, modulus = 3e9, beyond = \"rupture\", curve = { table = [[4.74e-4, 1.422e6], [8.58e-3, 1.422e6]] } }";
     let by = |solve: &str, until: f64| {
         let left = "kind = \"stress\"\nhistory = [[0, -70e6], [6e-6, -70e6], [6e-6, 0]]";
@@ -150,15 +136,12 @@ fn a_stress_above_the_curve_leaves_its_impulse_in_the_end_cell() {
         figures_of(&text(&bar(level).replace("0.19", "0.31"), left, "hardening = \"isotropic\"", &solve))
             .expect("it runs")
     };
-    for scheme in ["leapfrog", "muscl"] {
-        for cells in [60, 240] {
-            let differs = |until: f64| {
-                let tracked = by("method = \"moc\"", until);
-                assert!(tracked.gathers);
-                by(&format!("scheme = \"{scheme}\"\ncells = {cells}"), until).differs(&tracked)
-            };
-            let [driven, unloaded] = [5.5e-6, 1.2e-4].map(differs);
-            assert!(driven.stress < 0.05 && unloaded.stress > 0.1, "{scheme} {cells}: {driven:?} {unloaded:?}");
+    for until in [5.5e-6, 1.2e-4] {
+        let tracked = by("method = \"moc\"", until);
+        for (scheme, cells) in ["leapfrog", "muscl"].into_iter().flat_map(|scheme| [(scheme, 240), (scheme, 960)]) {
+            let differs = by(&format!("scheme = \"{scheme}\"\ncells = {cells}"), until).differs(&tracked);
+            println!("{scheme}, {cells} cells, {until:e} s: {differs:.5?}");
+            assert!(differs.largest() < 0.05, "{scheme}, {cells} cells, {until:e} s: {differs:?}");
         }
     }
 }

@@ -123,11 +123,9 @@ impl History {
         if kept == 0 {
             return Self::constant(0.0);
         }
-        let (t0, t1, v0, v1) = (self.time[kept - 1], self.time[kept], self.value[kept - 1], self.value[kept]);
-        let last = v0 + (v1 - v0) * ((end - t0) / (t1 - t0));
         let (mut time, mut value) = (self.time[..kept].to_vec(), self.value[..kept].to_vec());
         time.push(end);
-        value.push(last);
+        value.push(self.before(end));
         Self { time, value }
     }
 

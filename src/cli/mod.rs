@@ -107,7 +107,7 @@ enum Command {
     Completions(shell::CompletionsArgs),
     /// Write man pages.
     Man(shell::ManArgs),
-    /// Write the JSON schema of scene or material files.
+    /// Write the JSON schema of scene, material or sweep files.
     Schema(shell::SchemaArgs),
 }
 

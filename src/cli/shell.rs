@@ -8,6 +8,7 @@ use super::{Cli, output, settings};
 use crate::error::{Error, InputError, Result};
 use crate::material::RawMaterial;
 use crate::scene::{KINDS, RawScene};
+use crate::study::sweep;
 use crate::typed;
 
 /// Options of `barwave completions`.
@@ -56,6 +57,8 @@ enum Described {
     Beam,
     /// Material files.
     Material,
+    /// Sweep files.
+    Sweep,
 }
 
 fn not_as_json(command: &str) -> Result<()> {
@@ -94,6 +97,7 @@ pub(crate) fn schema(args: &SchemaArgs) -> Result<()> {
         Described::Beam => of_kind("beam"),
         Described::Scene => typed::schema::<RawScene>(),
         Described::Material => typed::schema::<RawMaterial>(),
+        Described::Sweep => typed::schema::<sweep::RawFile>(),
     };
     let mut text = format!("{:#}", schema.as_value());
     text.push('\n');

@@ -18,8 +18,17 @@ const FINENESS: f64 = 2.0;
 /// Room for the colour bar, px.
 const BAR_ROOM: f64 = 104.0;
 
+/// With fewer frames than this, what was between them is not shown as if it were known: each is a stripe.
+const FEW_FRAMES: usize = 20;
+/// Height of a stripe, px.
+const STRIPE: f64 = 8.0;
+
 pub(super) fn heading(view: &View) -> String {
-    format!("{} over the bar and time", field_name(view.field))
+    let field = field_name(view.field);
+    match view.time.len() {
+        frames @ 2..FEW_FRAMES => format!("{field} over the bar at {frames} times"),
+        _ => format!("{field} over the bar and time"),
+    }
 }
 
 /// Draws the diagram: x to the right, time upwards.
@@ -47,13 +56,20 @@ pub(super) fn draw(drawing: &mut Drawing, panel: Area, view: &View, heading: &st
     Ok(())
 }
 
-/// The nearest frame for each row of pixels and the nearest sample for each column; NaN and no time yet are grey.
+/// The nearest frame for each row of pixels and the nearest sample for each column; NaN and times that are not known are grey.
 fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range, Extremes)> {
     let (columns, rows) = ((frame.plot.width * FINENESS) as usize, (frame.plot.height * FINENESS) as usize);
     let samples: Vec<usize> =
         (0..columns).map(|i| nearest(&view.x, (i as f64 + 0.5) / columns as f64 * view.length)).collect();
-    let frames: Vec<usize> =
-        (0..rows).map(|i| nearest(&view.time, (1.0 - (i as f64 + 0.5) / rows as f64) * view.end_time)).collect();
+    let reach =
+        if (2..FEW_FRAMES).contains(&view.time.len()) { 0.5 * STRIPE / frame.plot.height } else { f64::INFINITY };
+    let frames: Vec<Option<usize>> = (0..rows)
+        .map(|i| {
+            let time = (1.0 - (i as f64 + 0.5) / rows as f64) * view.end_time;
+            let index = nearest(&view.time, time);
+            ((view.time[index] - time).abs() <= reach * view.end_time).then_some(index)
+        })
+        .collect();
     let lines = read_lines(view, &frames, &samples)?;
     let extremes = Extremes::of(lines.concat(), View::zero(view.field));
     let range = Range::of(extremes.shown[0], extremes.shown[1]);
@@ -71,14 +87,18 @@ fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range, Extremes)> {
 
 /// One line of sampled values for each row of pixels, in shown units. Frames are read one at a time, each once: a
 /// field may be larger than memory.
-fn read_lines(view: &View, frames: &[usize], samples: &[usize]) -> Result<Vec<Vec<f64>>> {
+fn read_lines(view: &View, frames: &[Option<usize>], samples: &[usize]) -> Result<Vec<Vec<f64>>> {
     let factor = view.field_unit().factor;
     let mut lines: Vec<Vec<f64>> = Vec::with_capacity(frames.len());
-    for (row, &index) in frames.iter().enumerate() {
-        if row > 0 && frames[row - 1] == index {
+    for (row, &frame) in frames.iter().enumerate() {
+        if row > 0 && frames[row - 1] == frame {
             lines.push(lines[row - 1].clone());
             continue;
         }
+        let Some(index) = frame else {
+            lines.push(vec![f64::NAN; samples.len()]);
+            continue;
+        };
         let values = view.file.field(view.field, index..index + 1)?;
         lines.push(samples.iter().map(|&i| values[(0, i)] * factor).collect());
     }

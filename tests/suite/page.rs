@@ -33,7 +33,7 @@ fn a_page_suits_phones_dark_screens_printers_and_screen_readers() {
         "<main>",
         "<th scope=\"col\">strain ahead</th>",
         "<th scope=\"row\">method</th>",
-        "aria-label=\"stress over the bar and time\"",
+        "aria-label=\"stress over the bar at 11 times\"",
         "<div class=\"wide\" role=\"region\" tabindex=\"0\" aria-label=\"Fronts\">",
     ] {
         assert!(page.contains(text), "{text}");

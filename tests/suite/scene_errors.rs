@@ -1127,7 +1127,7 @@ fn schema_man_pages_and_completions_are_written() {
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
         String::from_utf8(output.stdout).expect("UTF-8")
     };
-    for kind in ["scene", "specimen", "spheres", "plate", "beam", "material"] {
+    for kind in ["scene", "specimen", "spheres", "plate", "beam", "material", "sweep"] {
         let schema: serde_json::Value = serde_json::from_str(&run(&["schema", kind])).expect("JSON");
         assert!(schema["properties"].is_object(), "{schema}");
         assert_eq!(schema["additionalProperties"], false);

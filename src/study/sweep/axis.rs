@@ -5,6 +5,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_xorshift::XorShiftRng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -43,23 +44,45 @@ pub struct Axis {
     pub levels: Vec<Level>,
 }
 
+/// The values of an axis, for the JSON schema.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code)]
+pub(super) enum Values {
+    /// A list.
+    List(Vec<serde_json::Value>),
+    /// Computed.
+    Range(Box<RawRange>),
+}
+
 /// What a table of an axis may hold.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-struct RawRange {
+pub(super) struct RawRange {
+    /// The first value.
     from: Option<Quantity>,
+    /// The last value.
     to: Option<Quantity>,
+    /// Number of values.
     count: Option<usize>,
+    /// Distance of the values, in place of `count`.
     step: Option<Quantity>,
+    /// Equal steps, or equal ratios; of random values, what is uniformly distributed.
     scale: Option<Scale>,
+    /// Random values, uniformly distributed between these.
     uniform: Option<[Quantity; 2]>,
+    /// Random values with this mean and standard deviation.
     normal: Option<[Quantity; 2]>,
+    /// Random items of a list, drawn with replacement.
+    #[schemars(with = "Vec<serde_json::Value>")]
     choice: Option<Vec<Value>>,
+    /// Number of random values.
     samples: Option<usize>,
+    /// Start of the random numbers: the same seed gives the same values.
     seed: Option<u64>,
 }
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 enum Scale {
     #[default]

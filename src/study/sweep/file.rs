@@ -1,11 +1,13 @@
 //! The sweep file.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::axis::{Axis, MOST_VALUES, RANDOM};
+use super::axis::{Axis, MOST_VALUES, RANDOM, Values};
 use super::plan::{Combine, Plan};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Document, GivenKey};
@@ -26,21 +28,31 @@ pub struct Sweep {
     template: Template,
 }
 
-#[derive(Debug, Deserialize)]
+/// A scene that runs many times with other values of some keys.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct RawFile {
+#[schemars(title = "barwave sweep")]
+pub(crate) struct RawFile {
     sweep: RawSweep,
+    /// The scene keys that vary, dotted as for `--set`, with their values.
+    #[schemars(with = "BTreeMap<String, Values>")]
     axes: toml::Table,
 }
 
-#[derive(Debug, Deserialize)]
+/// What runs and what is kept.
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct RawSweep {
+    /// The scene file, relative to this one.
+    #[schemars(with = "PathBuf")]
     scene: Spanned<PathBuf>,
+    /// How axes are combined.
     #[serde(default)]
     combine: Combine,
+    /// Names of the results in the table, dotted as in the summary JSON. Default: every scalar of the summary except computing times.
     #[serde(default)]
     metrics: Vec<String>,
+    /// Fields to keep of every case, each in a result file of its own. Default: none.
     #[serde(default)]
     fields: Vec<String>,
 }

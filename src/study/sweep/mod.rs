@@ -11,6 +11,7 @@ mod shard;
 mod table;
 
 pub use axis::{Axis, Level};
+pub(crate) use file::RawFile;
 pub use file::Sweep;
 pub use merge::merge;
 pub use metrics::{Row, Status};

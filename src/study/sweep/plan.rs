@@ -1,11 +1,12 @@
 //! The cases of a sweep and their changes of the scene.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axis::{Axis, Level};
 
 /// How axes are combined.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Combine {
     /// Every value of each axis with every one of the others; the last axis varies fastest.

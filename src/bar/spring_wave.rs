@@ -36,6 +36,9 @@ pub fn at_spring(wall: &InitialFan, end: &EndCondition, at: &Segment, dt: f64) -
     let rises = |edge: &Edge| mass_per_length * edge.speed / stiffness;
     let mut whole = wall.fan.clone();
     begin_elastically(&mut whole, at.material.c0());
+    // What meets the fan of the wall meets an elastic front sooner.
+    let [slower, faster] = [&wall.fan, &whole].map(|fan| fan.edges.first().map_or(1.0, |edge| edge.speed));
+    let holds_until = wall.holds_until * slower / faster;
     let first = whole.edges.first_mut().filter(|edge| rises(edge) < MOST_STEPS * dt)?;
     let thrown_back = Edge { stress_behind: 0.0, strain_behind: 0.0, ..*first };
     let is_stressed = first.stress_ahead != 0.0;
@@ -47,7 +50,7 @@ pub fn at_spring(wall: &InitialFan, end: &EndCondition, at: &Segment, dt: f64) -
         delays.insert(0, 0.0);
     }
     let fan = Fan { edges, ..wall.fan.clone() };
-    Some(InitialFan { fan, delays, driver: Driver::Stress, sudden: false, ..wall.clone() })
+    Some(InitialFan { fan, delays, holds_until, driver: Driver::Stress, sudden: false, ..wall.clone() })
 }
 
 /// A wave that comes with the yield stress is thrown back by a wall as plastic fronts alone. A spring throws it back to no stress first, from where the bar

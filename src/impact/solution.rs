@@ -146,7 +146,7 @@ impl Line {
 /// The result of an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// "done", "rupture" where something breaks, or "interrupted".
+    /// "done", "rupture" where something breaks, "interrupted", or "not-converged" where the error exceeds the tolerance.
     pub outcome: &'static str,
     /// How it was solved, as "hertz".
     pub scheme: &'static str,
@@ -191,6 +191,8 @@ impl Default for Solution {
 impl Solution {
     /// Outcome of an integration that was asked to stop before its end.
     pub const INTERRUPTED: &'static str = "interrupted";
+    /// The outcome of a study of the error that ends above its tolerance.
+    pub const NOT_CONVERGED: &'static str = "not-converged";
 
     /// The histories end before the end of the impact.
     pub fn is_interrupted(&self) -> bool {

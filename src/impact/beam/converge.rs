@@ -11,6 +11,10 @@ use crate::units::Dimension::{AngularVelocity, Force, Impulse, Length, None as P
 /// Modes of the first level, and the most that are tried.
 pub(super) const FIRST_MODES: usize = 16;
 const MOST_MODES: usize = 4096;
+/// Levels in a row with other numbers of contacts than the one before, after which more modes are not expected to settle it, from so many modes on:
+/// each contact magnifies what differs in the one before.
+const UNSETTLED: usize = 3;
+const UNSETTLED_MODES: usize = 256;
 /// Defect allowed in a step over the tolerance of the result.
 const STEP_PART: f64 = 0.1;
 
@@ -40,11 +44,12 @@ impl Level {
         results
     }
 
-    /// Largest relative difference.
+    fn contacts(&self) -> usize {
+        self.history.touches.len()
+    }
+
+    /// Largest relative difference of the results.
     fn differs(&self, finer: &Self, velocity: f64) -> f64 {
-        if self.history.touches.len() != finer.history.touches.len() {
-            return 1.0;
-        }
         let pairs = self.results(velocity).into_iter().zip(finer.results(velocity));
         pairs.map(|(a, b)| if b[1] == 0.0 { 0.0 } else { ((a[0] - b[0]) / b[1]).abs() }).fold(0.0, f64::max)
     }
@@ -76,7 +81,7 @@ impl Beam {
         if self.modes.is_some() || level.history.interrupted {
             return self.solution(level, None);
         }
-        let mut error = None;
+        let (mut error, mut unsettled) = (None, 0);
         loop {
             (modes, step) = (2 * modes, (0.25 * step).max(1e-13));
             let finer = self.integrate(modes, step, watch);
@@ -84,8 +89,10 @@ impl Beam {
                 return self.last_complete(level, error);
             }
             let change = level.differs(&finer, self.striker.velocity);
+            unsettled = if level.contacts() == finer.contacts() { 0 } else { unsettled + 1 };
             (level, error) = (finer, Some(change));
-            if change <= self.tolerance || modes >= MOST_MODES {
+            let converged = change <= self.tolerance && unsettled == 0;
+            if converged || modes >= MOST_MODES || unsettled >= UNSETTLED && modes >= UNSETTLED_MODES {
                 return self.solution(level, error);
             }
         }
@@ -226,7 +233,16 @@ impl Beam {
 
     fn warn(&self, solution: &mut Solution, history: &History, error: Option<f64>) {
         if error.is_some_and(|error| error > self.tolerance) {
-            solution.warnings.push(format!("the tolerance is not reached with {MOST_MODES} modes"));
+            solution.outcome = Solution::NOT_CONVERGED;
+            let modes = solution.figure("mode_count");
+            let warning = match history.touches.len() {
+                0 | 1 => format!("the tolerance is not reached with {modes} modes"),
+                contacts => format!(
+                    "the tolerance is not reached with {modes} modes: each of the {contacts} contacts magnifies the errors of the one before, and \
+                     what comes late in the sequence is one possible course; set `solve.until` to end the run earlier, or `solve.tolerance`"
+                ),
+            };
+            solution.warnings.push(warning);
         }
         if !history.separated && !history.interrupted {
             let open = history.touches.last().is_some_and(|touch| !touch.ended);

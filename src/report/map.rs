@@ -24,11 +24,16 @@ const FEW_FRAMES: usize = 20;
 const STRIPE: f64 = 8.0;
 
 pub(super) fn heading(view: &View) -> String {
-    let field = field_name(view.field);
-    match view.time.len() {
-        frames @ 2..FEW_FRAMES => format!("{field} over the bar at {frames} times"),
-        _ => format!("{field} over the bar and time"),
+    let (field, frames) = (field_name(view.field), view.time.len());
+    if is_sparse(view) {
+        format!("{field} over the bar at {frames} times")
+    } else {
+        format!("{field} over the bar and time")
     }
+}
+
+fn is_sparse(view: &View) -> bool {
+    (2..FEW_FRAMES).contains(&view.time.len())
 }
 
 /// Draws the diagram: x to the right, time upwards.
@@ -61,8 +66,7 @@ fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range, Extremes)> {
     let (columns, rows) = ((frame.plot.width * FINENESS) as usize, (frame.plot.height * FINENESS) as usize);
     let samples: Vec<usize> =
         (0..columns).map(|i| nearest(&view.x, (i as f64 + 0.5) / columns as f64 * view.length)).collect();
-    let reach =
-        if (2..FEW_FRAMES).contains(&view.time.len()) { 0.5 * STRIPE / frame.plot.height } else { f64::INFINITY };
+    let reach = if is_sparse(view) { 0.5 * STRIPE / frame.plot.height } else { f64::INFINITY };
     let frames: Vec<Option<usize>> = (0..rows)
         .map(|i| {
             let time = (1.0 - (i as f64 + 0.5) / rows as f64) * view.end_time;

@@ -18,6 +18,9 @@ const UNSETTLED_MODES: usize = 256;
 /// Defect allowed in a step over the tolerance of the result.
 const STEP_PART: f64 = 0.1;
 
+/// Contacts that the summary lists.
+const MOST_LINES: usize = 12;
+
 /// Difference of the coefficients of restitution by (9.31) and by integration that is worth a warning.
 const LARGEST_DIFFERENCE: f64 = 0.05;
 
@@ -81,7 +84,7 @@ impl Beam {
         if self.modes.is_some() || level.history.interrupted {
             return self.solution(level, None);
         }
-        let (mut error, mut unsettled) = (None, 0);
+        let (mut error, mut last, mut unsettled) = (None, 0.0, 0);
         loop {
             (modes, step) = (2 * modes, (0.25 * step).max(1e-13));
             let finer = self.integrate(modes, step, watch);
@@ -90,7 +93,9 @@ impl Beam {
             }
             let change = level.differs(&finer, self.striker.velocity);
             unsettled = if level.contacts() == finer.contacts() { 0 } else { unsettled + 1 };
-            (level, error) = (finer, Some(change));
+            // Of levels that do not settle, one may be near the next by chance.
+            let before = if unsettled > 1 { last } else { 0.0 };
+            (level, error, last) = (finer, Some(change.max(before)), change);
             let converged = change <= self.tolerance && unsettled == 0;
             if converged || modes >= MOST_MODES || unsettled >= UNSETTLED && modes >= UNSETTLED_MODES {
                 return self.solution(level, error);
@@ -178,7 +183,7 @@ impl Beam {
             ),
             figure("impulse", Impulse, "impulse of all contacts", history.touches.iter().map(|t| t.impulse).sum()),
         ]);
-        for touch in &history.touches {
+        for touch in history.touches.iter().take(MOST_LINES) {
             let values = [(touch.start, Time), (touch.end, Time), (touch.peak_force, Force), (touch.peak_time, Time)];
             let open = if touch.ended { "" } else { ", not ended" };
             solution.lines.push(Line::new(
@@ -186,6 +191,9 @@ impl Beam {
                 format!("{{}} to {{}}{open}, largest force {{}} at {{}}"),
                 &values,
             ));
+        }
+        if let Some(more @ 1..) = history.touches.len().checked_sub(MOST_LINES) {
+            solution.lines.push(Line::new("contact", format!("... and {more} more; the result file lists all"), &[]));
         }
         let most = |of: fn(&Touch) -> f64| history.touches.iter().map(of).fold(0.0, f64::max);
         let largest = most(|touch| touch.peak_force);

@@ -10,6 +10,13 @@ use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
 use crate::units::Dimension::{self, Force, Length, None as Plain, Time, Velocity};
 
+/// The coefficient of restitution tends to this part of lambda^-5, within 0.1 % from lambda = 3 on (by integration).
+const REBOUND: f64 = 0.6793;
+/// Coefficient of restitution below which nothing is seen of a rebound.
+const LEAST_REBOUND: f64 = 1e-6;
+/// Deflection over thickness from which on linear bending theory is poor.
+const MOST_DEFLECTION: f64 = 0.5;
+
 /// A sphere on a plate at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plate {
@@ -117,6 +124,32 @@ impl Plate {
     }
 }
 
+impl Plate {
+    /// What to say of a sphere that has so much of its velocity at the end time.
+    fn in_contact_at_end(&self, kept: f64) -> String {
+        let lambda = self.inelasticity();
+        let restitution = REBOUND * lambda.powi(-5);
+        if restitution > LEAST_REBOUND {
+            return "the sphere is still in contact at the end time; increase `until` to include the rebound".into();
+        }
+        format!(
+            "the sphere does not rebound: the coefficient of restitution is {restitution:.1e} at lambda = {lambda:.1}; at the end \
+             time it still has {kept:.2} of its velocity, which the plate takes"
+        )
+    }
+
+    /// Linear theory of bending ends where the middle of the plate is stretched.
+    fn bends_far(&self, deflection: f64) -> Option<String> {
+        let ratio = deflection / self.thickness;
+        (ratio > MOST_DEFLECTION).then(|| {
+            format!(
+                "the plate deflects by {ratio:.2} of its thickness during the contact: membrane forces, which linear bending \
+                 theory neglects, are not small"
+            )
+        })
+    }
+}
+
 fn contact_table() -> Table {
     Table::over_time(
         "contact",
@@ -184,10 +217,10 @@ impl Problem for Plate {
             judge(&mut solution, &law, [&self.striker.elastic, &self.elastic], touch.approach);
         }
         if !history.separated && !history.interrupted {
-            solution
-                .warnings
-                .push("the sphere is still in contact at the end time; increase `until` to include the rebound".into());
+            solution.warnings.push(self.in_contact_at_end(last.v / velocity));
         }
+        let deflection = contact.column("deflection").iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        solution.warnings.extend(self.bends_far(deflection));
         let label = if history.separated { "striker after" } else { "striker at end" };
         let long_name = "velocity of the striker at the end";
         solution.add(label, Figure::new("striker_velocity", Velocity, long_name, last.v));

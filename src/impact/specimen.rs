@@ -8,6 +8,7 @@ use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
 use crate::material::{Curve, Ultimate};
 use crate::units::Dimension::{Energy, EnergyDensity, None as Plain, Velocity};
+use crate::units::{System, format};
 
 /// A specimen in tension.
 #[derive(Debug, Clone)]
@@ -35,6 +36,10 @@ pub enum Toughness {
         ultimate: Ultimate,
         /// Notch factor, >= 1; 1: none.
         notch: f64,
+        /// Strain of the elastic limit.
+        elastic: f64,
+        /// Impact velocity from which on a bar of this curve breaks at its struck end, m/s.
+        critical: f64,
     },
 }
 
@@ -60,11 +65,13 @@ pub struct Outcome {
     pub breaks: bool,
     /// What the specimen has absorbed in the end.
     pub absorbed: f64,
-    /// The body's velocity after it has broken the specimen, m/s; 0 where the specimen stops it.
+    /// The specimen stays elastic, and gives back all that it has absorbed.
+    pub elastic: bool,
+    /// The body's velocity in the end, m/s; 0 where the specimen has yielded and stops it, negative where an elastic one throws it back.
     pub residual_velocity: f64,
     /// The least velocity of this body that breaks the specimen, m/s.
     pub threshold_velocity: f64,
-    /// The engineering strain to which the specimen is stretched all along; none where no curve says.
+    /// The largest engineering strain to which the specimen is stretched all along; none where no curve says.
     pub strain: Option<f64>,
 }
 
@@ -78,7 +85,7 @@ impl Specimen {
     pub fn energy_per_volume(&self) -> f64 {
         match &self.toughness {
             Toughness::PerVolume(energy) => *energy,
-            Toughness::Curve { curve, ultimate, notch } => work(curve, break_strain(curve, *ultimate, *notch)),
+            Toughness::Curve { curve, ultimate, notch, .. } => work(curve, break_strain(curve, *ultimate, *notch)),
         }
     }
 
@@ -92,23 +99,58 @@ impl Blow {
     /// What comes of it.
     pub fn outcome(&self) -> Outcome {
         let (available, capacity) = (0.5 * self.mass * self.velocity * self.velocity, self.specimen.capacity());
-        let absorbed = available.min(capacity);
-        let strain = match &self.specimen.toughness {
-            Toughness::PerVolume(_) => None,
-            Toughness::Curve { curve, ultimate, notch } => {
+        let (absorbed, breaks) = (available.min(capacity), available >= capacity);
+        let (strain, limit) = match &self.specimen.toughness {
+            Toughness::PerVolume(_) => (None, 0.0),
+            Toughness::Curve { curve, ultimate, notch, elastic, .. } => {
                 let most = break_strain(curve, *ultimate, *notch);
-                Some(strain_of(curve, absorbed / self.specimen.volume(), most))
+                (Some(strain_of(curve, absorbed / self.specimen.volume(), most)), *elastic)
             }
         };
+        let elastic = !breaks && strain.is_some_and(|strain| strain > 0.0 && strain <= limit);
+        let kept = (2.0 * (available - absorbed) / self.mass).sqrt();
         Outcome {
             available,
             capacity,
-            breaks: available >= capacity,
+            breaks,
             absorbed,
-            residual_velocity: (2.0 * (available - absorbed) / self.mass).sqrt(),
+            elastic,
+            residual_velocity: if elastic { -self.velocity } else { kept },
             threshold_velocity: (2.0 * capacity / self.mass).sqrt(),
             strain,
         }
+    }
+
+    /// Where a bar of the specimen's material breaks at once, m/s; none where no curve says.
+    fn critical_velocity(&self) -> Option<f64> {
+        let Toughness::Curve { critical, .. } = self.specimen.toughness else { return None };
+        Some(critical)
+    }
+
+    fn warnings(&self, outcome: &Outcome) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if outcome.elastic {
+            warnings.push(
+                "by the energy balance the specimen stays elastic: it gives the energy back, and the striker rebounds"
+                    .into(),
+            );
+        }
+        let Some(critical) = self.critical_velocity() else { return warnings };
+        let shown = format(critical, Velocity, System::Si);
+        let too_fast = self.velocity > critical;
+        if outcome.threshold_velocity > critical {
+            let also = if too_fast { "; the impact velocity exceeds it, too" } else { "" };
+            warnings.push(std::format!(
+                "the threshold is above the critical velocity of the material, {shown}, from which on a bar breaks at its \
+                 struck end whatever the energy{also}"
+            ));
+        } else if too_fast {
+            warnings.push(std::format!(
+                "the impact velocity exceeds the critical velocity of the material, {shown}: the specimen breaks at its \
+                 struck end, with less energy than is stated"
+            ));
+        }
+        warnings
     }
 }
 
@@ -121,20 +163,27 @@ impl Problem for Blow {
         let outcome = self.outcome();
         let per_volume = self.specimen.energy_per_volume();
         let line = Line::new;
+        let critical =
+            self.critical_velocity().map(|velocity| line("critical velocity", "{}", &[(velocity, Velocity)]));
+        let threshold = line("threshold", "fracture at {} and above", &[(outcome.threshold_velocity, Velocity)]);
         Solution {
             outcome: if outcome.breaks { "rupture" } else { "done" },
             scheme: "closed-form",
             equation: "energy balance: fracture if m v^2/2 of the striker reaches the work that the specimen absorbs".into(),
-            validity: "ductile specimen, strained uniformly, below the critical impact velocity; elastic energy and waves are \
-                       neglected"
+            validity: "ductile specimen, strained uniformly, below the critical impact velocity; waves, and what a specimen that has \
+                       yielded gives back, are neglected"
                 .into(),
+            warnings: self.warnings(&outcome),
             figures: self.figures(&outcome),
             flags: vec![("breaks", outcome.breaks)],
-            lines: vec![
+            lines: [
                 line("striker", "kinetic energy {}", &[(outcome.available, Energy)]),
                 line("specimen", "absorbs {} ({})", &[(outcome.capacity, Energy), (per_volume, EnergyDensity)]),
-                line("threshold", "fracture at {} and above", &[(outcome.threshold_velocity, Velocity)]),
-            ],
+                threshold,
+            ]
+            .into_iter()
+            .chain(critical)
+            .collect(),
             ..Solution::default()
         }
     }
@@ -159,6 +208,7 @@ impl Blow {
         let per_volume = self.specimen.energy_per_volume();
         let residual = "final velocity of the striker";
         let threshold = "lowest velocity of this striker that causes fracture";
+        let critical = "impact velocity from which on a bar of the material breaks at its struck end";
         vec![
             figure("available", "available_energy", Energy, "kinetic energy of the striker", outcome.available),
             figure("capacity", "capacity", Energy, "energy absorbed to fracture", outcome.capacity),
@@ -167,10 +217,17 @@ impl Blow {
             figure("residual_velocity", "residual_velocity", Velocity, residual, outcome.residual_velocity),
             figure("threshold_velocity", "threshold_velocity", Velocity, threshold, outcome.threshold_velocity),
             figure(
+                "critical_velocity",
+                "critical_velocity",
+                Velocity,
+                critical,
+                self.critical_velocity().unwrap_or(f64::NAN),
+            ),
+            figure(
                 "strain",
                 "strain",
                 Plain,
-                "final uniform engineering strain of the specimen",
+                "largest uniform engineering strain of the specimen",
                 outcome.strain.unwrap_or(f64::NAN),
             ),
         ]
@@ -266,7 +323,7 @@ mod tests {
     fn drawn(notch: f64, velocity: f64) -> Outcome {
         let curve = curve();
         let ultimate = curve.ultimate().expect("400 MPa");
-        let toughness = Toughness::Curve { curve, ultimate, notch };
+        let toughness = Toughness::Curve { curve, ultimate, notch, elastic: 0.001, critical: f64::INFINITY };
         let specimen = Specimen { length: 0.2, area: 1e-4, toughness };
         Blow { specimen, mass: 2.0, velocity }.outcome()
     }

@@ -17,7 +17,7 @@ const MOST_VIBRATION: f64 = 0.01;
 pub enum Spheres {
     /// Newton's law, equations 9.1 to 9.3. Masses, kg, and velocities before, m/s, of striker and struck body.
     Restitution {
-        /// kg.
+        /// kg; infinite for a half-space.
         masses: [f64; 2],
         /// m/s.
         velocities: [f64; 2],
@@ -40,10 +40,13 @@ pub enum Spheres {
     },
 }
 
-/// Velocities after an impact, equation 9.3, m/s.
+/// Velocities after an impact, equation 9.3, m/s; the second mass may be infinite.
 pub fn velocities_after(masses: [f64; 2], velocities: [f64; 2], restitution: f64) -> [f64; 2] {
     let ([mu, mx], [u, x]) = (masses, velocities);
     let (momentum, closing) = (mu * u + mx * x, restitution * (u - x));
+    if mx.is_infinite() {
+        return [x - closing, x];
+    }
     [(momentum - mx * closing) / (mu + mx), (momentum + mu * closing) / (mu + mx)]
 }
 
@@ -52,8 +55,9 @@ pub fn velocity_before(masses: [f64; 2], after: f64) -> f64 {
     (masses[0] + masses[1]) * after / masses[0]
 }
 
+/// Of the bodies that can move, J.
 fn kinetic(masses: [f64; 2], velocities: [f64; 2]) -> f64 {
-    (0..2).map(|i| 0.5 * masses[i] * velocities[i] * velocities[i]).sum()
+    (0..2).filter(|&i| masses[i].is_finite()).map(|i| 0.5 * masses[i] * velocities[i] * velocities[i]).sum()
 }
 
 impl Problem for Spheres {
@@ -164,11 +168,16 @@ fn vibration(solution: &mut Solution, solids: &[Solid; 2], closing: f64) {
     let speeds = solids.iter().filter(|s| s.mass.is_finite()).map(|s| (s.elastic.modulus / s.elastic.density).sqrt());
     let Some(speed) = speeds.filter(|c| c.is_finite()).reduce(f64::min) else { return };
     let ratio = closing / speed / 50.0;
+    let share = if ratio < 1.0 { ratio } else { f64::NAN };
     solution.add(
         "vibration",
-        Figure::new("vibration_ratio", Plain, "energy of vibration over kinetic energy, (9.5)", ratio),
+        Figure::new("vibration_ratio", Plain, "energy of vibration over kinetic energy, (9.5)", share),
     );
-    if ratio > MOST_VIBRATION {
+    if ratio >= 1.0 {
+        let warning = "the energy of vibration by (9.5) exceeds the kinetic energy: the estimate is outside its range, and so is \
+                       Hertz's theory, which neglects vibration";
+        solution.warnings.push(warning.into());
+    } else if ratio > MOST_VIBRATION {
         let percent = 100.0 * ratio;
         solution.warnings.push(format!(
             "{percent:.1} % of the energy goes into vibration of the spheres by (9.5), which Hertz's theory neglects"

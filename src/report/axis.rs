@@ -102,11 +102,16 @@ impl Axis {
         Self::new(label, low - room, high + room)
     }
 
-    /// Round tick values, about `count` of them, and the power of ten taken out of their labels.
+    /// Round tick values, about `count` of them and at least two, and the power of ten taken out of their labels.
     fn ticks(&self, count: usize) -> (Vec<f64>, f64, i32) {
+        /// From so many ticks on a finer step does not help: the axis is too short for its numbers.
+        const ENOUGH: usize = 16;
         let step = round_step((self.high - self.low) / count as f64);
         let first = (self.low / step - 1e-9).ceil() as i64;
         let last = (self.high / step + 1e-9).floor() as i64;
+        if last <= first && count < ENOUGH {
+            return self.ticks(2 * count);
+        }
         let ticks = (first..=last).map(|i| i as f64 * step).collect();
         let size = self.low.abs().max(self.high.abs());
         let power = size.log10().floor() as i32;
@@ -151,6 +156,14 @@ mod tests {
         let (ticks, step, power) = Axis::new("", -0.3, 612.0).ticks(6);
         assert_eq!((step, power), (200.0, 0));
         assert_eq!(ticks, [0.0, 200.0, 400.0, 600.0]);
+    }
+
+    #[test]
+    fn axes_have_two_labels_however_low_they_are() {
+        for count in 2..6 {
+            let labels = Axis::new("", -0.044, 0.0441).labelled(count).0;
+            assert!(labels.len() > 1, "{labels:?}");
+        }
     }
 
     #[test]

@@ -10,6 +10,9 @@ use super::plot::colour;
 use crate::error::{InputError, Result};
 use crate::record::store::{ResultFile, StoredColumn, StoredImpact, StoredTable};
 
+/// Whole numbers below this are shown with all digits.
+const MOST_COUNT: f64 = 1e12;
+
 /// The histories of an impact, one panel for each title that its columns have, and its deflected shapes.
 ///
 /// # Errors
@@ -103,7 +106,11 @@ fn shapes(impact: &StoredImpact, units: Units) -> Option<LinePanel> {
 /// Rows of the figures: what it is, value with unit.
 pub(super) fn figures(impact: &StoredImpact, units: Units) -> Vec<Vec<String>> {
     let row = |(long_name, symbol, value): &(String, String, f64)| {
-        vec![long_name.clone(), units.of_symbol(symbol, value.abs()).show(*value)]
+        // Counts, and shares of exactly 0 or 1; plus zero takes the sign from -0.
+        let is_whole = symbol == "1" && value.fract() == 0.0 && value.abs() < MOST_COUNT;
+        let shown =
+            if is_whole { format!("{:.0}", value + 0.0) } else { units.of_symbol(symbol, value.abs()).show(*value) };
+        vec![long_name.clone(), shown]
     };
     let sentences = [("equation", &impact.equation), ("validity", &impact.validity)];
     let sentences =

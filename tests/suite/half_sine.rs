@@ -66,7 +66,7 @@ fn the_true_pulse_has_the_integrated_restitution() {
     }
 }
 
-/// The third case is off by more than 5 %, because of the pulse (9.22): its duration (9.30) is that of a ball on a half-space, 295 us, but a
+/// The third case is off by more than 5 %, because of the pulse (9.22): its duration (9.30), 295 us, gives it the force of a ball on a half-space, but a
 /// ball of twice the modal mass pushes the beam for 434 us, in two humps. The half-sine pulse excites the third mode twice as much as the true one.
 #[test]
 fn the_half_sine_pulse_is_too_short_for_a_heavy_ball() {

@@ -18,6 +18,52 @@ fn restitution_and_pendulum_have_the_textbook_s_velocities() {
 }
 
 #[test]
+fn the_energy_method_knows_the_critical_velocity_and_elastic_specimens() {
+    let light = |velocity: &str| {
+        let velocity = format!("striker.velocity=\"{velocity}\"");
+        let sets =
+            ["specimen.energy=", "specimen.material=\"steel-4340-tempered-315c\"", "striker.mass=\"1 g\"", &velocity];
+        run("energy-method.toml", &sets)
+    };
+    let fast = light("200 m/s");
+    let critical = fast["critical_velocity_m_s"].as_f64().expect("a number");
+    assert!((97.0..99.0).contains(&critical), "{critical}");
+    let notes = fast["notes"].to_string();
+    assert!(notes.contains("above the critical velocity") && notes.contains("exceeds it, too"), "{notes}");
+    // All of the 20 J is elastic: the striker leaves as fast as it came.
+    within(&fast, "residual_velocity_m_s", -200.0, 0.0);
+    assert!(notes.contains("stays elastic"), "{notes}");
+    assert!(!light("50 m/s")["notes"].to_string().contains("exceeds"));
+    // 80 ft/s of 200 lb yield the specimen, and are below its critical velocity.
+    let sets = ["specimen.energy=", "specimen.material=\"steel-4340-tempered-315c\""];
+    assert_eq!(run("energy-method.toml", &sets)["notes"].to_string(), "[]");
+}
+
+#[test]
+fn a_ball_rebounds_from_a_fixed_half_space() {
+    let sets = ["spheres.half-space=true", "spheres.mass=", "spheres.velocity="];
+    let summary = run("spheres-restitution.toml", &sets);
+    // 2 kg at 5 m/s with e = 0.6: 1/2 m v^2 (1 - e^2) = 25 J * 0.64.
+    within(&summary, "striker_velocity_m_s", -3.0, 1e-14);
+    within(&summary, "struck_velocity_m_s", 0.0, 0.0);
+    within(&summary, "energy_lost_J", 16.0, 1e-12);
+    let folder = tempfile::tempdir().expect("a folder");
+    let refused = |name: &str, sets: &[&str]| {
+        let output = barwave(folder.path(), "run", name, sets, &[]);
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        String::from_utf8(output.stderr).expect("text")
+    };
+    let mass = refused("spheres-restitution.toml", &["spheres.half-space=true"]);
+    assert!(mass.contains("a fixed half-space has no `mass`"), "{mass}");
+    let pendulum = refused("ballistic-pendulum.toml", &["spheres.half-space=true", "spheres.mass="]);
+    assert!(pendulum.contains("a half-space is fixed"), "{pendulum}");
+    // Its density has no part in Hertz's contact.
+    let hertz = ["spheres.half-space=true", "spheres.radius="];
+    let force = |more: &str| run("spheres.toml", &[hertz[0], hertz[1], more])["peak_force_N"].clone();
+    assert_eq!(force("spheres.density="), force("spheres.density=1000"));
+}
+
+#[test]
 fn steel_balls_have_hertz_s_numbers() {
     let pair = run("spheres.toml", &[]);
     to_six_digits(&pair, "approach_m", 2.05592e-5);
@@ -49,6 +95,57 @@ fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
     // 0.01 of 50 c0 is 2567 m/s.
     assert!(notes(&["striker.velocity=2600"]).contains("goes into vibration"));
     assert!(!notes(&["striker.velocity=2500"]).contains("goes into vibration"));
+}
+
+#[test]
+fn the_share_of_vibration_is_not_more_than_all() {
+    let soft = run("spheres.toml", &["spheres.modulus=\"1 Pa\""]);
+    assert!(soft["vibration_ratio"].is_null(), "{soft}");
+    let notes = soft["notes"].to_string();
+    assert!(notes.contains("the estimate is outside its range") && !notes.contains('%'), "{notes}");
+}
+
+#[test]
+fn impacts_say_why_they_estimate_no_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["spheres.toml", "plate.toml", "beam.toml", "energy-method.toml"] {
+        let output = barwave(folder.path(), "run", name, &[], &["--estimate-error"]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && message.contains("has no cells"), "{message}");
+    }
+}
+
+/// The foil of lambda = 246 is deflected by three times its thickness, and the ball is not seen to rebound.
+#[test]
+fn foils_are_beyond_linear_theory_and_throw_nothing_back() {
+    let foil = run("plate.toml", &["plate.thickness=\"0.1 mm\""]);
+    let notes = foil["notes"].to_string();
+    assert!(notes.contains("the sphere does not rebound") && !notes.contains("increase `until`"), "{notes}");
+    assert!(notes.contains("membrane forces"), "{notes}");
+    // The law that the note states, 0.6793/lambda^5, at lambda = 5.
+    let thin = run("plate.toml", &["plate.thickness=\"0.7 mm\"", "solve.until=\"1 s\""]);
+    let number = |key: &str| thin[key].as_f64().expect("a number");
+    assert!((number("restitution") * number("inelasticity").powi(5) - 0.6793).abs() < 1e-4, "{thin}");
+    let stopped = run("plate.toml", &["plate.thickness=\"0.7 mm\"", "solve.until=\"0.1 ms\""]);
+    assert!(stopped["notes"].to_string().contains("increase `until`"), "{stopped}");
+}
+
+#[test]
+fn beams_note_what_is_beyond_the_theory_of_slender_elastic_beams() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let planned = |set: &str| {
+        let output = barwave(folder.path(), "plan", "beam.toml", &["record.gauges=", set], &["--json"]);
+        let plan: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+        plan["notes"].to_string()
+    };
+    assert_eq!(planned("beam.depth=\"1.5 cm\""), "[]");
+    assert!(planned("beam.depth=\"2 cm\"").contains("7.675 times as long as deep"));
+    assert!(planned("beam.at=\"1 cm\"").contains("struck 1.000 of its depth from a support"));
+    let steel =
+        ["beam.modulus=", "beam.density=", "beam.material=\"mild-steel\"", "record.gauges=", "solve.tolerance=1e-3"];
+    let struck = |velocity: &str| run("beam.toml", &[&steel[..], &[velocity]].concat())["notes"].to_string();
+    assert!(!struck("striker.velocity=0.01").contains("the beam yields"));
+    assert!(struck("striker.velocity=10").contains("the beam yields"));
 }
 
 #[test]
@@ -108,6 +205,9 @@ fn a_heavy_ball_strikes_the_beam_three_times() {
     // Of the first contact, and of all.
     within(&summary, "peak_force_N", 9.0079, 1e-3);
     within(&summary, "largest_force_N", 10.298, 1e-3);
+    // Each beside its own time.
+    within(&summary, "time_of_peak_s", 91.29e-6, 0.1e-6);
+    within(&summary, "time_of_largest_force_s", 1.62756e-3, 1e-6);
     within(&summary, "energy_residual", 0.0, 1e-6);
     // (9.31) is for one contact of 295 us; the first lasts 434 us. It misses the velocity after it by 6 % of that before.
     let (e, first) = (&summary["half_sine_restitution"], &summary["first_restitution"]);
@@ -233,6 +333,8 @@ fn reports_plans_and_cost_studies_are_there_for_every_kind() {
         let text = std::fs::read_to_string(folder.join("r.html")).expect("a page");
         assert!(text.contains(panel) && text.contains("energy"), "{name}");
         assert!(text.contains("equation") && text.contains("validity"), "{name}");
+        // Counts are whole numbers.
+        assert!(name != "beam.toml" || text.contains("modes of the beam</th><td>64</td>"), "{name}");
         let plan = barwave(folder, "plan", name, &[], &["--json"]);
         let plan: Value = serde_json::from_slice(&plan.stdout).expect("one JSON value");
         assert!(plan["equation"].as_str().is_some_and(|e| !e.is_empty()) && plan["output"] == "", "{plan}");

@@ -8,6 +8,10 @@ use crate::impact::pulse::Pulse;
 use crate::impact::solution::{Figure, Line, Solution};
 use crate::units::Dimension::{Force, None as Plain, Time, Velocity};
 
+/// Length over depth, and distance of the impact from a support over depth, below which bending theory is poor.
+const LEAST_SLENDERNESS: f64 = 10.0;
+const LEAST_DEPTHS: f64 = 2.0;
+
 /// Modes of the sums of (9.31), at most.
 const MOST_MODES: usize = 100_000;
 
@@ -94,7 +98,22 @@ impl Beam {
         ]);
         let values = [(pulse.restitution, Plain), (pulse.peak(), Force), (pulse.duration, Time)];
         solution.lines.push(Line::new("half-sine (9.22)", "e {} by (9.31), largest force {}, duration {}", &values));
+        solution.warnings.extend(self.is_not_slender());
         solution
+    }
+
+    /// Where shear and local deformation are not small beside bending.
+    fn is_not_slender(&self) -> Option<String> {
+        let [slender, near] =
+            [self.length, self.at.min(self.length - self.at)].map(|length| length / self.section.depth);
+        let what = if slender < LEAST_SLENDERNESS {
+            format!("the beam is {slender:.3} times as long as deep")
+        } else if near < LEAST_DEPTHS {
+            format!("the beam is struck {near:.3} of its depth from a support")
+        } else {
+            return None;
+        };
+        Some(format!("{what}: Euler-Bernoulli theory neglects shear deformation, which is not small there"))
     }
 
     fn equation(&self) -> String {

@@ -3,7 +3,7 @@
 use super::Beam;
 use super::observe::Observer;
 use crate::impact::Watch;
-use crate::impact::contact::{Contact, History, Horizon, Touch};
+use crate::impact::contact::{Contact, History, Horizon};
 use crate::impact::solid::judge;
 use crate::impact::solution::{Column, Figure, Line, Solution, Table};
 use crate::units::Dimension::{AngularVelocity, Force, Impulse, Length, None as Plain, Rate, Time, Torque, Velocity};
@@ -160,6 +160,7 @@ impl Beam {
         self.extremes(&mut solution, &observer.readings);
         super::super::account(&mut solution, &observer.ledger, &history);
         self.warn(&mut solution, &history, error);
+        solution.warnings.extend(self.bends_beyond_yield(observer.strain));
         solution.shapes = (!observer.shapes.time.is_empty()).then_some(observer.shapes);
         let tables = vec![observer.contact, contacts_table(&history), observer.ledger, self.modes_table(modes)];
         solution.tables = [tables, observer.readings].concat();
@@ -172,7 +173,7 @@ impl Beam {
         solution.figures.extend([
             Figure::count("contact_count", "number of contacts", history.touches.len()),
             figure("peak_force", Force, "largest contact force of the first contact", first.peak_force),
-            figure("time_of_peak", Time, "time of the largest contact force", first.peak_time),
+            figure("time_of_peak", Time, "time of the largest contact force of the first contact", first.peak_time),
             figure("contact_duration", Time, "duration of the first contact", first.duration()),
             figure("approach", Length, "largest approach of the first contact", first.approach),
             figure(
@@ -195,11 +196,17 @@ impl Beam {
         if let Some(more @ 1..) = history.touches.len().checked_sub(MOST_LINES) {
             solution.lines.push(Line::new("contact", format!("... and {more} more; the result file lists all"), &[]));
         }
-        let most = |of: fn(&Touch) -> f64| history.touches.iter().map(of).fold(0.0, f64::max);
-        let largest = most(|touch| touch.peak_force);
-        solution.figures.push(figure("largest_force", Force, "largest contact force of all contacts", largest));
-        let largest = most(|touch| touch.approach);
-        judge(solution, &self.contact(), [&self.striker.elastic, &self.elastic], largest);
+        let largest = history.touches.iter().fold(first, |a, b| if b.peak_force > a.peak_force { b } else { a });
+        solution.figures.extend([
+            figure("largest_force", Force, "largest contact force of all contacts", largest.peak_force),
+            figure(
+                "time_of_largest_force",
+                Time,
+                "time of the largest contact force of all contacts",
+                largest.peak_time,
+            ),
+        ]);
+        judge(solution, &self.contact(), [&self.striker.elastic, &self.elastic], largest.approach);
     }
 
     /// Frequency and damping of each mode.
@@ -277,13 +284,27 @@ impl Beam {
     }
 }
 
+impl Beam {
+    /// What there is to say of the largest strain of bending, where the material says when it yields.
+    fn bends_beyond_yield(&self, strain: f64) -> Option<String> {
+        let axial = (self.foundation.axial / self.section.area).abs();
+        let ratio = (self.elastic.modulus * strain + axial) / self.elastic.yield_stress?;
+        (ratio > 1.0).then(|| {
+            format!(
+                "the beam yields: its largest stress is {ratio:.2} times the yield stress; the elastic solution \
+                 overestimates moment and rebound velocity"
+            )
+        })
+    }
+}
+
 /// One row a contact.
 fn contacts_table(history: &History) -> Table {
     let columns = vec![
         Column::new("start", Time, "start of the contact", ""),
         Column::new("end", Time, "end of the contact", ""),
         Column::new("peak_force", Force, "largest force", ""),
-        Column::new("time_of_peak", Time, "time of the largest contact force", ""),
+        Column::new("time_of_peak", Time, "time of the largest force", ""),
         Column::new("impulse", Impulse, "impulse of the contact force", ""),
     ];
     let mut table = Table::new("contacts", columns);

@@ -26,6 +26,8 @@ pub(super) struct Observer {
     shape_every: f64,
     shape_due: f64,
     start: f64,
+    /// Largest strain of bending at the impact and at the gauges.
+    pub strain: f64,
     pub contact: Table,
     pub ledger: Table,
     pub readings: Vec<Table>,
@@ -87,6 +89,7 @@ impl Observer {
             shape_every: end / beam.shapes.max(1) as f64,
             shape_due: end / beam.shapes.max(1) as f64,
             start: 0.5 * beam.striker.mass * beam.striker.velocity.powi(2),
+            strain: 0.0,
             contact: contact_table(),
             ledger: ledger_table(),
             readings: beam.gauges.iter().map(|(name, x)| gauge_table(name, *x)).collect(),
@@ -97,7 +100,8 @@ impl Observer {
     pub fn look(&mut self, moment: &Moment<'_>) {
         let Some((striker, modes)) = moment.system.modes.split_first() else { return };
         let (time, force) = (moment.time, moment.force);
-        let [deflection, ..] = self.struck.read(modes, force);
+        let [deflection, _, strain] = self.struck.read(modes, force);
+        self.strain = self.strain.max(strain.abs());
         let half_sine = self.pulse.force(time);
         self.contact.push(&[time, force, half_sine, moment.approach, striker.q, deflection, striker.v]);
         self.balance(moment, striker, modes);
@@ -144,6 +148,7 @@ impl Observer {
             let [w, m, e] = place.read(modes, force);
             let [ws, ms, es] = place.read(&driven, half_sine);
             table.push(&[time, w, m, e, ws, ms, es]);
+            self.strain = self.strain.max(e.abs());
         }
     }
 }

@@ -67,7 +67,7 @@ impl Checker<'_> {
         let material = self.ball_material(keys, key)?;
         let known = material.as_deref();
         if keys.mass.is_none() && keys.density.is_none() {
-            self.made_of_something(keys, span.clone(), key, "mass or density")?;
+            self.made_of_something(keys, span.clone(), key, "modulus, poisson and mass or density")?;
         }
         let mass = self.ball_mass(keys, span.clone(), key, radius, known)?;
         let elastic = self.elastic_of(keys, known, span, key, mass / (4.0 / 3.0 * PI * radius.powi(3)))?;
@@ -77,11 +77,21 @@ impl Checker<'_> {
     /// The elastic constants of a struck body, whose density must be known.
     pub(super) fn elastic(&self, keys: &BodyKeys<'_>, span: Range<usize>, key: &str) -> Result<Made<Elastic>> {
         let material = self.ball_material(keys, key)?;
-        self.made_of_something(keys, span.clone(), key, "density")?;
+        self.made_of_something(keys, span.clone(), key, "modulus, poisson and density")?;
         let known = material.as_ref().map(|m| m.density);
         let density = self.given_or(keys.density, known, "density", span.clone(), key)?;
         let elastic = self.elastic_of(keys, material.as_deref(), span, key, density)?;
         Ok((elastic, material))
+    }
+
+    /// A half-space, whose density has no part in the contact.
+    pub(super) fn half_space(&self, keys: &BodyKeys<'_>, span: Range<usize>, key: &str) -> Result<Made<Solid>> {
+        let material = self.ball_material(keys, key)?;
+        self.made_of_something(keys, span.clone(), key, "modulus and poisson")?;
+        let known = material.as_ref().map_or(f64::NAN, |m| m.density);
+        let density = keys.density.map_or(Ok(known), |density| self.si(density))?;
+        let elastic = self.elastic_of(keys, material.as_deref(), span, key, density)?;
+        Ok((elastic.half_space(), material))
     }
 
     fn elastic_of(
@@ -93,7 +103,7 @@ impl Checker<'_> {
         density: f64,
     ) -> Result<Elastic> {
         if !keys.is_rigid() {
-            self.made_of_something(keys, span.clone(), key, "density")?;
+            self.made_of_something(keys, span.clone(), key, "modulus, poisson and density")?;
         }
         let (modulus, poisson) = self.ball_moduli(keys, span, key, material)?;
         let limit = |m: &Material| m.branch(Sense::Compression).elastic_limit(m.modulus).1;
@@ -106,8 +116,7 @@ impl Checker<'_> {
             return Ok(());
         }
         let error = self.error(span, &format!("{key}.material"), "`material` is missing");
-        let help =
-            format!("add e.g. material = \"mild-steel\" with poisson = 0.3, or give modulus, poisson and {instead}");
+        let help = format!("add e.g. material = \"mild-steel\" with poisson = 0.3, or give {instead}");
         Err(error.help(help).into())
     }
 }

@@ -11,6 +11,7 @@ use crate::impact::{Blow, Specimen, Toughness};
 use crate::material::{Material, Sense};
 use crate::typed::{Key, NotNegative, Of, Placed, Positive};
 use crate::units::measures;
+use crate::wave::similarity::critical;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -147,6 +148,8 @@ impl Checker<'_> {
             let help = "set beyond = \"rupture\" if its data end in rupture, or give `energy` in place of it";
             return Err(error.help(help).into());
         };
-        Ok(Toughness::Curve { curve, ultimate, notch: self.si(&raw.notch)? })
+        let critical = critical(&curve, material.density).map_or(f64::INFINITY, |critical| critical.velocity);
+        let elastic = curve.elastic_limit(material.modulus).0;
+        Ok(Toughness::Curve { curve, ultimate, notch: self.si(&raw.notch)?, elastic, critical })
     }
 }

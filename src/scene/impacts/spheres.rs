@@ -88,36 +88,60 @@ pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
     Ok(Parts { title: raw.title, problem: Arc::new(problem), materials, resolved })
 }
 
+impl RawSpheres {
+    fn is_half_space(&self) -> bool {
+        self.half_space.as_ref().is_some_and(|half_space| *half_space.get_ref())
+    }
+}
+
 /// What is known of both bodies, and their materials.
 type Bodies = (Spheres, Vec<Arc<crate::material::Material>>);
 
 impl Checker<'_> {
     /// Equations 9.3 and 9.4: masses and velocities alone.
     fn by_momentum(&self, raw: &Placed<RawSpheres>, striker: &Placed<RawStrikingSphere>) -> Result<Spheres> {
-        let (span, struck) = (raw.span(), raw.get_ref());
-        let mass = |value, span, key| self.needed(value, "mass", span, key);
-        let body = striker.get_ref();
-        self.not_elastic(&body.keys(), "striker")?;
-        self.not_elastic(&struck.keys(), "spheres")?;
-        let masses =
-            [mass(body.mass.as_ref(), striker.span(), "striker")?, mass(struck.mass.as_ref(), span, "spheres")?];
+        let struck = raw.get_ref();
+        let masses = self.masses(raw, striker)?;
         if let Some(after) = &struck.velocity_after {
-            for (given, key) in [
-                (struck.restitution.place(), "spheres.restitution"),
-                (struck.velocity.place(), "spheres.velocity"),
-                (body.velocity.place(), "striker.velocity"),
-            ] {
-                if let Some(given) = given {
-                    let message = "with `velocity-after` the velocity of the striker is the result, and the struck body is at \
-                                   rest";
-                    return Err(self.error(given, key, message).help("remove it or `velocity-after`").into());
-                }
-            }
+            self.pendulum_swings(struck, striker.get_ref())?;
             return Ok(Spheres::Pendulum { masses, after: self.si(after)? });
         }
         let restitution = self.needed(struck.restitution.as_ref(), "restitution", raw.span(), "spheres")?;
         let velocities = self.closing_velocities(struck, striker)?;
         Ok(Spheres::Restitution { masses, velocities, restitution })
+    }
+
+    /// Of striker and struck body, kg.
+    fn masses(&self, raw: &Placed<RawSpheres>, striker: &Placed<RawStrikingSphere>) -> Result<[f64; 2]> {
+        let (struck, body) = (raw.get_ref(), striker.get_ref());
+        if struck.is_half_space() {
+            self.nothing_of_a_sphere(struck)?;
+        }
+        self.not_elastic(&body.keys(), "striker")?;
+        self.not_elastic(&struck.keys(), "spheres")?;
+        let first = self.needed(body.mass.as_ref(), "mass", striker.span(), "striker")?;
+        if struck.is_half_space() {
+            return Ok([first, f64::INFINITY]);
+        }
+        Ok([first, self.needed(struck.mass.as_ref(), "mass", raw.span(), "spheres")?])
+    }
+
+    /// Refuses what contradicts a struck body that is at rest, and moves after the impact.
+    fn pendulum_swings(&self, struck: &RawSpheres, body: &RawStrikingSphere) -> Result<()> {
+        let at_rest = "with `velocity-after` the velocity of the striker is the result, and the struck body is at rest";
+        let fixed = "with `velocity-after` the struck body moves after the impact; a half-space is fixed";
+        let half_space = struck.half_space.as_ref().filter(|_| struck.is_half_space());
+        for (given, key, message) in [
+            (half_space.map(Placed::span), "spheres.half-space", fixed),
+            (struck.restitution.place(), "spheres.restitution", at_rest),
+            (struck.velocity.place(), "spheres.velocity", at_rest),
+            (body.velocity.place(), "striker.velocity", at_rest),
+        ] {
+            if let Some(given) = given {
+                return Err(self.error(given, key, message).help("remove it or `velocity-after`").into());
+            }
+        }
+        Ok(())
     }
 
     /// Refuses keys of the contact where it has no part.
@@ -156,10 +180,9 @@ impl Checker<'_> {
         let (span, struck) = (raw.spheres.span(), raw.spheres.get_ref());
         let velocities = self.closing_velocities(struck, striker)?;
         let (first, one) = self.sphere_at(&striker.get_ref().keys(), striker.span(), "striker", velocities[0])?;
-        let (second, two) = if struck.half_space.as_ref().is_some_and(|h| *h.get_ref()) {
+        let (second, two) = if struck.is_half_space() {
             self.nothing_of_a_sphere(struck)?;
-            let (elastic, material) = self.elastic(&struck.keys(), span, "spheres")?;
-            (elastic.half_space(), material)
+            self.half_space(&struck.keys(), span, "spheres")?
         } else {
             self.sphere_at(&struck.keys(), span.clone(), "spheres", velocities[1])?
         };

@@ -6,7 +6,7 @@ mod sudden_fans;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::bar::{Bar, EndCondition, InitialFan, Origin, Segment, SuddenLoads, first_fans};
+use crate::bar::{Bar, EndCondition, InitialFan, Origin, Segment, SuddenLoads, first_fans, starting_fans};
 use crate::law::rate::{Heated, Overstress, RateLaw, Timed};
 use crate::law::rupture::{Criteria, Criterion};
 use crate::law::{
@@ -147,7 +147,7 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
 
 /// The fans that ends and joints start with, and those that start there later.
 fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
-    let first = first_fans(&scene.bar, &scene.left, &scene.right);
+    let first = starting_fans(&scene.bar, &scene.left, &scene.right);
     if !follows_curves(scene) || !sudden_fans::can_be_tracked(scene) {
         return first;
     }
@@ -191,10 +191,13 @@ fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads)
         let quick = rate_curves::taking_no_time(scene, time);
         let mut fans = sudden_fans(&quick, grid, sudden_fans::LATE_IN_LEAPFROG);
         fans.retain(|fan| rate_curves::has_relaxed(fan, scene, times[0]));
+        // What flows after an earlier load is still relaxing when a later one comes.
+        let all = fans.clone();
+        fans.retain(|fan| !all.iter().any(|other| other.precedes(fan)));
         (sudden_loads(&quick, &fans, grid, COMES_TO_IT), fans)
     });
     let loads = late.0.fading(&early.0, times);
-    let fans = late.1.into_iter().filter(|fan| loads.hardly_fades(fan.origin)).collect();
+    let fans = late.1.into_iter().filter(|fan| loads.hardly_fades(fan)).collect();
     (fans, loads)
 }
 

@@ -42,14 +42,24 @@ pub(super) fn with_later(
     scene: &Scene,
     (grid, late): (&Grid, f64),
 ) -> Vec<InitialFan> {
+    // Where a load started without its fan the first cells are not in the state that front tracking gives them.
+    let mut missed = Vec::new();
     for fans in later.chunk_by(|a, b| a.origin == b.origin && a.from == b.from) {
         let here = |fan: &InitialFan| fan.origin == fans[0].origin;
-        let Some(fans) =
-            (if fans[0].from == 0.0 { at_start(fans, scene) } else { after_start(fans, scene, grid, late) })
-        else {
+        if missed.contains(&fans[0].origin) {
+            continue;
+        }
+        let follows = if fans[0].from == 0.0 { at_start(fans, scene) } else { after_start(fans, scene, grid, late) };
+        let Some(fans) = follows else {
+            if !is_ramp(scene, &fans[0]) {
+                missed.push(fans[0].origin);
+            }
             continue;
         };
-        let gone = |fan: &InitialFan| fan.from + takes_shape(fan, scene, grid) <= fans[0].from;
+        let gone = |fan: &InitialFan| {
+            let lasts = takes_shape(fan, scene, grid).min(fan.holds_until);
+            fan.from + lasts <= fans[0].from
+        };
         if first.iter().filter(|fan| here(fan)).all(|fan| is_elastic(fan, &scene.bar) || gone(fan)) {
             // Both sides of a joint have their fans from one moment.
             first.retain(|fan| !here(fan) || fan.from != fans[0].from);
@@ -231,9 +241,24 @@ fn start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Option<f
         let arrives = is_sharp(through) && (steps - steps.round()).abs() < late;
         return (arrives && fans.iter().all(|fan| has_room(fan, scene, grid))).then(|| steps.round() * grid.dt);
     }
-    let untouched = |fan: &InitialFan| fan.velocity_ahead == bar.segments[fan.segment].velocity;
-    let closes = can_close(scene, fans[0].origin) && fans.iter().all(|fan| untouched(fan) || is_sharp(fan.segment));
-    closes.then(|| in_parts(steps) * grid.dt)
+    let starts = can_close(scene, fans[0].origin) || jumps(scene, &fans[0]);
+    let is_known = |fan: &InitialFan| fan.waves_before == 0 || is_sharp(fan.segment);
+    (starts && fans.iter().all(is_known)).then(|| in_parts(steps) * grid.dt)
+}
+
+/// Part of a time within which it is that of a jump.
+const SAME_TIME: f64 = 1e-12;
+
+/// The velocity of the end where a fan starts jumps then.
+fn jumps(scene: &Scene, fan: &InitialFan) -> bool {
+    let (from, until) = (fan.from * (1.0 - SAME_TIME), fan.from * (1.0 + SAME_TIME));
+    matches!(end_at(scene, fan.origin), Some(EndCondition::Velocity { history, .. }) if history.jumps_between(from, until))
+}
+
+/// It is a step in which front tracking follows an end that moves ever faster, or slower.
+fn is_ramp(scene: &Scene, fan: &InitialFan) -> bool {
+    let driven = matches!(end_at(scene, fan.origin), Some(EndCondition::Velocity { .. } | EndCondition::Stress { .. }));
+    driven && fan.wave_through.is_none() && !jumps(scene, fan)
 }
 
 /// It is a joint, or an end that a wall may stop.

@@ -95,7 +95,7 @@ impl Hertz {
 }
 
 /// 4/5 sqrt(pi) Gamma(2/5)/Gamma(9/10), the integral of 2 dx/sqrt(1 - x^(5/2)) from 0 to 1.
-const CONTACT_TIME: f64 = 2.943_275_184_3;
+pub const CONTACT_TIME: f64 = 2.943_275_184_3;
 
 #[cfg(test)]
 mod tests {

@@ -24,6 +24,13 @@ pub enum Origin {
     Joint(usize),
 }
 
+impl Origin {
+    /// In which waves run from an end: +1 from the left one, -1 from the right one.
+    fn direction(self) -> f64 {
+        if self == Self::Left { 1.0 } else { -1.0 }
+    }
+}
+
 impl std::fmt::Display for Origin {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -68,6 +75,8 @@ pub struct InitialFan {
     pub from: f64,
     /// The segment through which an elastic wave comes that starts it, if one does.
     pub wave_through: Option<usize>,
+    /// Number of waves that have come to its origin through its segment before.
+    pub waves_before: usize,
     /// The largest imposed value holds from t = 0 on and never changes.
     pub sudden: bool,
     /// First time at which the driving value falls back (or is released), s; infinite where it never does.
@@ -118,6 +127,11 @@ impl InitialFan {
         2.0 * slowest / (c0 * c0 + slowest * slowest)
     }
 
+    /// It starts at the same place before another one, and what drives it holds for some time.
+    pub fn precedes(&self, other: &Self) -> bool {
+        self.origin == other.origin && self.from < other.from && self.holds_until > 0.0
+    }
+
     /// What it changes, >= 0: stress (Pa) and strain.
     pub fn changes(&self) -> [f64; 2] {
         let ahead = self.fan.edges.first().map_or([0.0; 2], |edge| [edge.stress_ahead, edge.strain_ahead]);
@@ -139,18 +153,27 @@ impl InitialFan {
 
 /// All fans of a bar with its ends, left to right; none of a bar with an initial state, in which waves do not start from zero stress.
 pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<InitialFan> {
+    fans(bar, left, right, Imposed::at_most)
+}
+
+/// Those of the largest or of the first values that ends impose.
+fn fans(bar: &Bar, left: &EndCondition, right: &EndCondition, imposed: Drive) -> Vec<InitialFan> {
     if bar.has_initial_state() {
         return Vec::new();
     }
     let last = bar.segments.len() - 1;
     let mut all = Vec::new();
-    all.extend(from_end(left, Origin::Left, 0.0, 0, &bar.segments[0]));
+    let from_end = |end: &EndCondition, origin: Origin, x: f64, segment: usize| {
+        let at = &bar.segments[segment];
+        of_end(imposed(at, end, origin.direction())?, origin, x, segment, at)
+    };
+    all.extend(from_end(left, Origin::Left, 0.0, 0));
     let mut x = 0.0;
     for k in 0..last {
         x += bar.segments[k].length;
         all.extend(from_joint(k, x, &bar.segments[k], &bar.segments[k + 1]));
     }
-    all.extend(from_end(right, Origin::Right, bar.length(), last, &bar.segments[last]));
+    all.extend(from_end(right, Origin::Right, bar.length(), last));
     let [at_left, at_right] = [0, last].map(|k| bar.segments[k].velocity);
     let acts = acts_without_fan(left, 1.0, at_left) || acts_without_fan(right, -1.0, at_right);
     let closes = |k: usize| gap_closes(bar, [left, right], Origin::Joint(k)).is_some_and(|time| time > 0.0);
@@ -166,6 +189,21 @@ pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec
 pub fn first_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<InitialFan> {
     let fans = initial_fans(bar, left, right);
     if fans.is_empty() { at_gap(bar, [left, right]).unwrap_or_default() } else { fans }
+}
+
+/// The same, with ends as they move at first: a history that starts with 15 m/s and jumps to 25 m/s later starts the fan of 15 m/s.
+pub fn starting_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<InitialFan> {
+    let largest = initial_fans(bar, left, right);
+    if largest.is_empty() {
+        return at_gap(bar, [left, right]).unwrap_or_default();
+    }
+    let mut fans = fans(bar, left, right, Imposed::at_first);
+    // Another end may act later.
+    let alone = largest.iter().all(|fan| fan.alone);
+    for fan in &mut fans {
+        fan.alone &= alone;
+    }
+    fans
 }
 
 fn at_gap(bar: &Bar, ends: [&EndCondition; 2]) -> Option<Vec<InitialFan>> {
@@ -229,13 +267,15 @@ pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) ->
 
 /// What drives the end of a segment, and for how long it stays as it is at t = 0, s. None of ends that do nothing of their own at once.
 pub(crate) fn drives_at_start(end: &EndCondition, direction: f64, at: &Segment) -> Option<(Driver, f64)> {
-    Imposed::on(at, end, direction).map(|imposed| (imposed.driver, imposed.holds_until))
+    Imposed::at_first(at, end, direction).map(|imposed| (imposed.driver, imposed.holds_until))
 }
 
 pub(super) fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
-    let direction = if origin == Origin::Left { 1.0 } else { -1.0 };
-    let density = at.material.density;
-    let imposed = Imposed::on(at, end, direction)?;
+    of_end(Imposed::at_most(at, end, origin.direction())?, origin, x, segment, at)
+}
+
+fn of_end(imposed: Imposed, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
+    let (direction, density) = (origin.direction(), at.material.density);
     // A wave running in +x behind which the bar moves faster in +x compresses it, and likewise mirrored.
     let under_stress = imposed.driver == Driver::Stress;
     let sense = Sense::of(if under_stress { imposed.change } else { -direction * imposed.change });
@@ -254,6 +294,7 @@ pub(super) fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usiz
         velocity_ahead: at.velocity,
         from: 0.0,
         wave_through: None,
+        waves_before: 0,
         sudden: imposed.sudden,
         loads_until: imposed.loads_until,
         holds_until: imposed.holds_until,
@@ -263,7 +304,15 @@ pub(super) fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usiz
     })
 }
 
-/// What an end imposes on the bar at its strongest.
+/// What the end of a segment imposes, from which waves run in a direction: +1 at its left, -1 at its right.
+type Drive = fn(&Segment, &EndCondition, f64) -> Option<Imposed>;
+
+/// Part of its change by which a value may drift and still count as the one that it was. What the end moves farther than its fan stays in the first
+/// cell as strain: 24 cells on, twelve times that part of the velocity over the speed of the slowest front.
+const DRIFT: f64 = 0.001;
+
+/// What an end imposes on the bar.
+#[derive(Clone, Copy)]
 struct Imposed {
     driver: Driver,
     /// Of the velocity, m/s; of the stress where that drives, Pa.
@@ -279,8 +328,25 @@ impl Imposed {
         Self { driver, change, sudden: true, loads_until: f64::INFINITY, holds_until: f64::INFINITY }
     }
 
-    /// By the end of a segment, from which waves run in this `direction`: +1 at its left, -1 at its right.
-    fn on(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
+    /// At first, for as long as that holds.
+    fn at_first(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
+        let of = |driver: Driver, history: &super::History, rest: f64| Self {
+            sudden: history.is_constant(),
+            holds_until: holds_until(history, history.at(0.0), DRIFT * (history.at(0.0) - rest).abs()),
+            ..Self::steady(driver, history.at(0.0) - rest)
+        };
+        match end {
+            EndCondition::Velocity { history, release } => {
+                let imposed = of(Driver::Velocity, history, at.velocity);
+                Some(Self { holds_until: imposed.holds_until.min(release.unwrap_or(f64::INFINITY)), ..imposed })
+            }
+            EndCondition::Stress { history } => Some(of(Driver::Stress, history, 0.0)),
+            _ => Self::at_most(at, end, direction),
+        }
+    }
+
+    /// At its strongest.
+    fn at_most(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
         let (rest, area) = (at.velocity, at.end_areas()[usize::from(direction < 0.0)]);
         match end {
             EndCondition::Velocity { history, release } => {
@@ -291,7 +357,7 @@ impl Imposed {
                     change: peak,
                     sudden: history.is_constant(),
                     loads_until: until.min(released),
-                    holds_until: holds_until(history, rest, peak).min(released),
+                    holds_until: holds_until(history, rest + peak, ROUND_OFF * (rest.abs() + peak.abs())).min(released),
                 })
             }
             EndCondition::Stress { history } => {
@@ -301,7 +367,7 @@ impl Imposed {
                     change: peak,
                     sudden: history.is_constant(),
                     loads_until,
-                    holds_until: holds_until(history, 0.0, peak),
+                    holds_until: holds_until(history, peak, 0.0),
                 })
             }
             EndCondition::Fixed => Some(Self::steady(Driver::Velocity, -rest)),
@@ -360,16 +426,26 @@ fn peak(history: &super::History, rest: f64) -> (f64, f64) {
     (best, f64::INFINITY)
 }
 
-/// Time up to which a history is at this `peak` above `rest` from t = 0 on, s.
-fn holds_until(history: &super::History, rest: f64, peak: f64) -> f64 {
-    // The sum of both is the value of the history to rounding only.
-    let is_there = |value: f64| value - rest == peak;
+/// Part of a velocity within which it is another one to rounding.
+const ROUND_OFF: f64 = 1e-14;
+
+/// Time up to which a history is within `drift` of this `value` from t = 0 on, s.
+fn holds_until(history: &super::History, value: f64, drift: f64) -> f64 {
+    let is_there = |other: f64| (other - value).abs() <= drift;
     if !is_there(history.at(0.0)) {
         return 0.0;
     }
     let start = history.time().partition_point(|&time| time <= 0.0).max(1) - 1;
-    let change = history.value()[start..].iter().position(|&other| !is_there(other));
-    change.map_or(f64::INFINITY, |k| history.time()[start + k.max(1) - 1])
+    let rows = || history.time()[start..].iter().zip(&history.value()[start..]);
+    let Some(k) = rows().position(|(_, &other)| !is_there(other)) else { return f64::INFINITY };
+    let row = |k: usize| rows().nth(k).map_or((0.0, value), |(&time, &value)| (time, value));
+    let (to, left) = row(k);
+    if k == 0 {
+        return to;
+    }
+    let (from, held) = row(k - 1);
+    // On the straight line between them.
+    from + (to - from) * ((drift - (held - value).abs()) / (left - held).abs()).clamp(0.0, 1.0)
 }
 
 /// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.
@@ -401,6 +477,7 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
                 velocity_ahead: at.velocity,
                 from: 0.0,
                 wave_through: None,
+                waves_before: 0,
                 sudden: true,
                 loads_until: f64::INFINITY,
                 holds_until: f64::INFINITY,
@@ -445,13 +522,15 @@ mod tests {
     #[test]
     fn a_history_holds_its_value_up_to_the_row_before_another() {
         let until =
-            |rows: &[(f64, f64)], value: f64| holds_until(&History::new(rows).expect("rows are in order"), 0.0, value);
+            |rows: &[(f64, f64)], value: f64| holds_until(&History::new(rows).expect("rows are in order"), value, 0.0);
         assert_eq!(until(&[(0.0, 3.0)], 3.0), f64::INFINITY);
         assert_eq!(until(&[(0.0, 0.0), (0.0, 3.0), (2.0, 3.0), (2.0, 0.0)], 3.0), 2.0);
         assert_eq!(until(&[(0.0, 3.0), (1.0, 3.0), (2.0, 0.0), (4.0, 3.0)], 3.0), 1.0);
         assert_eq!(until(&[(0.0, 3.0), (2.0, 0.0)], 3.0), 0.0);
         assert_eq!(until(&[(0.0, 0.0), (2.0, 3.0)], 3.0), 0.0);
         assert_eq!(until(&[(1.0, 3.0), (2.0, 3.0)], 3.0), 0.0);
+        let drifting = History::new(&[(0.0, 3.0), (1.0, 3.0), (2.0, 4.0)]).expect("rows are in order");
+        assert_eq!(holds_until(&drifting, 3.0, 0.25), 1.25);
     }
 
     /// -34.1 + 68.4 is not 34.3: the end had no fan, and the first cell 22 % too much strain.
@@ -459,7 +538,7 @@ mod tests {
     fn a_velocity_holds_whatever_rounding_makes_of_its_difference_to_that_of_the_bar() {
         let history = History::constant(34.3);
         let (peak, _) = peak(&history, -34.1);
-        assert_eq!(holds_until(&history, -34.1, peak), f64::INFINITY);
+        assert_eq!(holds_until(&history, -34.1 + peak, ROUND_OFF * 100.0), f64::INFINITY);
         assert_ne!(-34.1 + peak, 34.3);
     }
 }

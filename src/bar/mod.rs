@@ -16,10 +16,10 @@ mod uniform;
 use std::sync::Arc;
 
 pub use end::EndCondition;
-pub use hertz::Hertz;
+pub use hertz::{CONTACT_TIME, Hertz};
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
-pub use initial_fan::{Driver, InitialFan, Origin, START_CELLS, first_fans, initial_fans};
+pub use initial_fan::{Driver, InitialFan, Origin, START_CELLS, first_fans, initial_fans, starting_fans};
 pub(crate) use initial_fan::{acts_without_fan, drives_at_start};
 pub use joint::Joint;
 pub use spring_wave::{at_spring, spring_waves};
@@ -50,7 +50,7 @@ pub struct Segment {
     pub taper: Option<Arc<Taper>>,
     /// What it is made of.
     pub material: Arc<Material>,
-    /// Initial velocity, m/s, positive in +x; where it changes along the segment, the mean.
+    /// Initial velocity, m/s, positive in +x; where it changes along the segment, that of its centre of mass.
     pub velocity: f64,
     /// How it is joined to the next segment (meaningless on the last).
     pub joint: Joint,

@@ -6,8 +6,8 @@ use super::{Bar, InitialFan, Origin, SuddenLoad};
 /// The sudden loads of a bar.
 #[derive(Debug, Clone, Default)]
 pub struct SuddenLoads {
-    /// Left and right end.
-    pub ends: [Option<SuddenLoad>; 2],
+    /// Of the left and of the right end, in order of time.
+    pub ends: [Vec<SuddenLoad>; 2],
     /// Joints: the segment to their left, the load, and its force (N, tension positive).
     pub joints: Vec<(usize, SuddenLoad, f64)>,
 }
@@ -16,7 +16,7 @@ impl SuddenLoads {
     /// Of a bar with these first fans, the segments of which have cells of these lengths, m.
     pub fn new(bar: &Bar, fans: &[InitialFan], dx: &[f64]) -> Self {
         let load = |fan: &InitialFan| behind(fan, bar, dx[fan.segment]);
-        let end = |origin: Origin| fans.iter().filter(|fan| fan.origin == origin).find_map(load);
+        let end = |origin: Origin| fans.iter().filter(|fan| fan.origin == origin).filter_map(load).collect();
         let joint = |k: usize| {
             let here = |fan: &&InitialFan| fan.origin == Origin::Joint(k);
             let first = fans.iter().find(|fan| here(fan) && load(fan).is_some())?;
@@ -35,7 +35,10 @@ impl SuddenLoads {
     /// The loads of a rate-dependent bar, as they are at the second of two `times` (s) after the start of each; `early` are those at the first.
     #[must_use]
     pub fn fading(self, early: &Self, times: [f64; 2]) -> Self {
-        let end = |side: usize| self.ends[side]?.fading(early.ends[side].as_ref()?, times);
+        let end = |side: usize| {
+            let pair = |load: SuddenLoad| early.ends[side].iter().find_map(|early| load.fading(early, times));
+            self.ends[side].iter().copied().filter_map(pair).collect()
+        };
         let joint = |&(k, load, force): &(usize, SuddenLoad, f64)| {
             let (_, early, _) = early.joints.iter().find(|joint| joint.0 == k)?;
             Some((k, load.fading(early, times)?, force))
@@ -43,11 +46,12 @@ impl SuddenLoads {
         Self { ends: [end(0), end(1)], joints: self.joints.iter().filter_map(joint).collect() }
     }
 
-    /// At the origin of a fan there is a load, which is as in a bar that takes no time to flow.
-    pub fn hardly_fades(&self, origin: Origin) -> bool {
-        let load = match origin {
-            Origin::Left => self.ends[0].as_ref(),
-            Origin::Right => self.ends[1].as_ref(),
+    /// A fan brings a load, which is as in a bar that takes no time to flow.
+    pub fn hardly_fades(&self, fan: &InitialFan) -> bool {
+        let at_end = |side: usize| self.ends[side].iter().find(|load| load.from == fan.from);
+        let load = match fan.origin {
+            Origin::Left => at_end(0),
+            Origin::Right => at_end(1),
             Origin::Joint(k) => self.joints.iter().find(|joint| joint.0 == k).map(|joint| &joint.1),
         };
         load.is_some_and(SuddenLoad::hardly_fades)

@@ -53,6 +53,25 @@ impl Elastic {
     }
 }
 
+/// A warning that a contact under a largest force (N) yields, where the softer solid has this yield stress (Pa), with the ratio of its largest
+/// pressure to that at first yield; none where it stays elastic.
+pub fn contact_yields(contact: &Hertz, force: f64, limit: f64) -> Option<(f64, String)> {
+    let pressure = pressure(contact, contact.approach(force));
+    Some((pressure / (PRESSURE_AT_YIELD * limit), yields(pressure, limit)?))
+}
+
+fn yields(pressure: f64, limit: f64) -> Option<String> {
+    (pressure > PRESSURE_AT_YIELD * limit).then(|| {
+        format!(
+            "the contact yields: the largest pressure is {:.2} times the yield stress of {:.4} MPa and yield begins at \
+             {PRESSURE_AT_YIELD}; \
+             the elastic solution overestimates the force and the rebound velocity",
+            pressure / limit,
+            limit / 1e6
+        )
+    })
+}
+
 /// Radius of the circle of contact at an approach, m.
 pub(super) fn contact_radius(contact: &Hertz, approach: f64) -> f64 {
     (contact.radius * approach.max(0.0)).sqrt()
@@ -85,15 +104,7 @@ pub(super) fn judge(solution: &mut Solution, contact: &Hertz, solids: [&Elastic;
         return;
     };
     let ratio = pressure / (PRESSURE_AT_YIELD * limit);
-    if ratio > 1.0 {
-        solution.warnings.push(format!(
-            "the contact yields: the largest pressure is {:.2} times the yield stress of {:.4} MPa and yield begins at \
-             {PRESSURE_AT_YIELD}; \
-             the elastic solution overestimates the force and the rebound velocity",
-            PRESSURE_AT_YIELD * ratio,
-            limit / 1e6
-        ));
-    }
+    solution.warnings.extend(yields(pressure, limit));
     // The largest pressure goes with the power 1/5 of the energy of the impact.
     solution.figures.push(figure(
         "yield_ratio",

@@ -30,8 +30,8 @@ pub struct EndRows {
     samples: Vec<(f64, EndSample)>,
     /// Samples of them whose rows are written: fewer than [`BEHIND`] at the start of the run.
     written: usize,
-    /// How the end is suddenly loaded, if it is.
-    sudden: Option<SuddenLoad>,
+    /// How the end is suddenly loaded.
+    sudden: Vec<SuddenLoad>,
     /// Largest magnitudes of the means over steps so far.
     largest: EndState,
     rows: Trace,
@@ -39,7 +39,7 @@ pub struct EndRows {
 
 impl EndRows {
     /// Without rows, which go into a history with these columns, of an end that is loaded like this.
-    pub fn new(rows: Trace, sudden: Option<SuddenLoad>) -> Self {
+    pub fn new(rows: Trace, sudden: Vec<SuddenLoad>) -> Self {
         Self { sudden, rows, ..Self::default() }
     }
 
@@ -50,7 +50,7 @@ impl EndRows {
 
     /// Adds samples, each one step after the last.
     pub fn add(&mut self, samples: impl Iterator<Item = (f64, EndSample)>) {
-        let sudden = self.sudden;
+        let sudden = &self.sudden;
         self.samples.extend(samples.map(|(time, sample)| (time, shown(sudden, time, sample))));
         self.write(AHEAD);
     }
@@ -122,9 +122,10 @@ impl EndRows {
 }
 
 /// A sample as the history shows it: during a sudden load with the exact state.
-fn shown(sudden: Option<SuddenLoad>, time: f64, sample: EndSample) -> EndSample {
+fn shown(sudden: &[SuddenLoad], time: f64, sample: EndSample) -> EndSample {
     let EndState { stress, velocity } = if sample.now.stress.is_nan() { sample.latest } else { sample.now };
-    match sudden.and_then(|load| load.end(time, [stress, velocity])) {
+    // The latest one that has started: each takes the place of the one before.
+    match sudden.iter().rev().find_map(|load| load.end(time, [stress, velocity])) {
         Some([stress, velocity]) => EndSample { now: EndState { stress, velocity }, latest: EndState::UNKNOWN },
         None => sample,
     }

@@ -23,7 +23,7 @@ pub struct Traces {
 
 impl Traces {
     /// Gauges at the places of `places`, which read the temperature where there is `heat`, and both ends, which may be loaded suddenly.
-    pub fn new(places: Sampling, heat: bool, sudden: [Option<SuddenLoad>; 2]) -> Self {
+    pub fn new(places: Sampling, heat: bool, sudden: [Vec<SuddenLoad>; 2]) -> Self {
         let gauges = places.x().iter().map(|_| gauge(heat)).collect();
         let mut cells = places.cells_read();
         cells.sort_unstable();

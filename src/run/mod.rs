@@ -32,15 +32,17 @@ use self::checkpoints::Checkpoints;
 use self::chosen::Chosen;
 use self::output::{Kept, Output};
 use crate::assemble;
-use crate::bar::{InitialFan, Segment, initial_fans};
+use crate::bar::{EndCondition, InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
+use crate::impact::contact_yields;
 use crate::law::rupture::{Rupture, Site};
+use crate::material::Sense;
 use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer};
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
     FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, ResidualProfile,
-    RuptureSummary, SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary, Twisted, View,
-    above_critical,
+    RuptureSummary, SegmentEnd, Stepped, Summary, Surface, Tally, TorsionSummary, Trace, TrackingSummary, Twisted,
+    View, above_critical,
 };
 use crate::scene::{Effects, Scene, Torsion};
 use crate::snapshot::Snapshot;
@@ -406,7 +408,7 @@ impl<'a> RunRecorder<'a> {
     }
 
     /// Closes the file after any outcome and returns the summary.
-    fn close(mut self, ended: Result<()>, results: RunResults) -> Result<Summary> {
+    fn close(mut self, ended: Result<()>, mut results: RunResults) -> Result<Summary> {
         let (outcome, reason) = match &ended {
             Ok(()) if results.ruptured || results.parted() || self.breaks_at_once() => ("rupture", None),
             Ok(()) => ("done", None),
@@ -416,6 +418,7 @@ impl<'a> RunRecorder<'a> {
             Err(_) => return Err(ended.err().unwrap_or(Error::Interrupted)),
         };
         let read_off = figures(self.scene, &self.tally, &results);
+        results.audit.extend(contacts_that_yield(self.scene, &read_off));
         let writer = std::mem::replace(&mut self.writer, Output::None);
         if let Output::File(writer) = writer {
             let figures = RunFigures {
@@ -442,6 +445,10 @@ impl<'a> RunRecorder<'a> {
     fn summary(self, outcome: &str, results: RunResults, figures: Figures) -> Summary {
         let [method, scheme] = self.scene.solve.method.names();
         let [left, right] = results.ends;
+        let [left, right] = [(left, 0), (right, 1)].map(|(end, side)| EndSummary {
+            striker: end.striker.map(|velocity| lever(self.scene, side) * velocity),
+            ..end
+        });
         let as_theory = results.elastic && !results.parted();
         Summary {
             scene: self.scene.title.clone(),
@@ -481,6 +488,26 @@ impl<'a> RunRecorder<'a> {
             output: self.output,
         }
     }
+}
+
+/// Balls whose pressure on the bar is more than the bar stands; its ends are elastic under the contact.
+fn contacts_that_yield(scene: &Scene, figures: &Figures) -> Vec<AuditRow> {
+    let last = scene.bar.segments.len() - 1;
+    let row = |(side, end, segment): (&str, &EndCondition, usize)| {
+        let EndCondition::Ball { contact, .. } = end else { return None };
+        let material = &scene.bar.segments[segment].material;
+        let limit = material.branch(Sense::Compression).elastic_limit(material.modulus).1;
+        let force = figures.get(&[side], "peak_force")?.abs();
+        let (estimate, finding) = contact_yields(contact, force, limit)?;
+        let finding = std::format!("ball at the {side} end: {finding}");
+        Some(AuditRow { effect: "contact".into(), estimate, threshold: 1.0, finding, remedy: String::new() })
+    };
+    [("left", &scene.left, 0), ("right", &scene.right, last)].into_iter().filter_map(row).collect()
+}
+
+/// Velocity of a body at an end of its own over that with which it moves the bar there.
+fn lever(scene: &Scene, side: usize) -> f64 {
+    scene.torsion.as_ref().map_or(1.0, |torsion| torsion.levers[side])
 }
 
 /// Lengths of the segments of the original scene; none in torsion, where strains are shear strains.
@@ -559,7 +586,11 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
     Records {
         bar: &scene.1.bar,
         ends: [&scene.1.left, &scene.1.right],
-        torsion: scene.1.torsion.is_some(),
+        torsion: scene.1.torsion.as_ref().map(|torsion| Surface {
+            radius: torsion.radius,
+            polar: &torsion.polar,
+            levers: torsion.levers,
+        }),
         gauges: scene.1.record.gauges.iter().map(|gauge| gauge.0.as_str()).collect(),
         tally,
         joint_areas: beside_joints(scene.0).map(|[left, _]| left.end_areas()[1]).collect(),

@@ -180,6 +180,8 @@ pub struct Torsion {
     pub radius: f64,
     /// J of each segment, m^4.
     pub polar: Vec<f64>,
+    /// Arms of the levers at the left and the right end that balls strike, over R; 1 where there is none.
+    pub levers: [f64; 2],
 }
 
 /// Numerical method and end time.

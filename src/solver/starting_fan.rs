@@ -197,11 +197,11 @@ impl StartingFan {
         step + 1 == self.steps
     }
 
-    /// Mean velocity (m/s) and stress (Pa) at its origin over the step of `dt` (s) in which a gap closes and it starts.
+    /// Mean velocity (m/s) and stress (Pa) at its origin over the step of `dt` (s) in which a gap closes, or a velocity jumps, and it starts.
     pub fn starts_within(&self, step: usize, dt: f64) -> Option<[f64; 2]> {
         let part = (step + 1) as f64 - self.from / dt;
-        let ahead = self.velocity_ahead();
-        let mean = [ahead + part * (self.velocity_behind - ahead), part * self.stress];
+        let (ahead, behind) = (self.fronts[0].ahead, [self.velocity_behind, self.stress]);
+        let mean = [0, 1].map(|i| ahead[i] + part * (behind[i] - ahead[i]));
         (!self.by_wave && self.from > 0.0 && step == self.first && self.first < self.steps).then_some(mean)
     }
 
@@ -311,6 +311,7 @@ mod tests {
             velocity_ahead: 0.0,
             from: 0.0,
             wave_through: None,
+            waves_before: 0,
             sudden: true,
             loads_until: f64::INFINITY,
             holds_until: f64::INFINITY,

@@ -109,6 +109,11 @@ pub(super) static LOAD: &[Definition<Site>] = &[
         |site| if site.area.is_none() { Some(site.load.peak.value) } else { None },
     ),
     row(
+        ("peak_torque", Dimension::Torque, "torque"),
+        "torque of largest magnitude with its sign, in torsion",
+        |site| site.torque_per_stress.map(|torque| torque * site.load.peak.value),
+    ),
+    row(
         ("time_of_peak", Dimension::Time, "at"),
         "time at which the peak is first reached; absent if there is no force",
         |site| (site.load.peak.value != 0.0).then_some(site.load.peak.at),
@@ -147,7 +152,7 @@ pub(super) static LOAD: &[Definition<Site>] = &[
 pub(super) static END: &[Definition<Site>] = &[
     row(
         ("striker_velocity_after", Dimension::Velocity, "striker velocity"),
-        "velocity of the striker or ball after its last contact",
+        "velocity of the striker or ball after its last contact; of a ball on a lever its own, of a twisting striker that of the surface",
         |site| site.striker_after,
     ),
     row(

@@ -33,6 +33,17 @@ impl SegmentEnd {
     }
 }
 
+/// What surface quantities of a twisted bar stand for.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface<'a> {
+    /// Its radius, m.
+    pub radius: f64,
+    /// Polar moment of each segment, m^4.
+    pub polar: &'a [f64],
+    /// Arms of levers at the ends over the radius; 1 where there are none.
+    pub levers: [f64; 2],
+}
+
 /// Everything that figures are computed from.
 #[derive(Debug)]
 pub struct Records<'a> {
@@ -41,7 +52,7 @@ pub struct Records<'a> {
     /// Its ends.
     pub ends: [&'a EndCondition; 2],
     /// It is twisted: stresses are those of its surface.
-    pub torsion: bool,
+    pub torsion: Option<Surface<'a>>,
     /// Names of the gauges.
     pub gauges: Vec<&'a str>,
     /// What the histories came to.

@@ -32,12 +32,19 @@ impl<'a> EndSite<'a> {
 }
 
 impl Checker<'_> {
-    pub(super) fn end(&self, site: &EndSite<'_>, mut table: Table<'_>, area_given: bool) -> Result<EndCondition> {
+    /// What an end does, and the arm of a lever there over the radius of the surface.
+    pub(super) fn end(
+        &self,
+        site: &EndSite<'_>,
+        mut table: Table<'_>,
+        area_given: bool,
+    ) -> Result<(EndCondition, f64)> {
         let kind = RawEnd::kind(&mut table)?;
         self.kind_has_meaning(&kind, site.key, area_given)?;
         let raw = RawEnd::read(self.document, site.key, *kind.get_ref(), table, self.torsion)?;
         let (radius, polar) = (site.radius, site.polar);
-        Ok(match raw {
+        let lever = if let RawEnd::BallOnLever(raw) = &raw { self.si(&raw.arm)? / radius } else { 1.0 };
+        let end = match raw {
             RawEnd::Velocity(raw) => EndCondition::Velocity {
                 history: self.history(&raw.history_keys(), site)?.scaled(radius),
                 release: self.si(&raw.release)?,
@@ -63,7 +70,8 @@ impl Checker<'_> {
             RawEnd::Ball(raw) => self.ball(&raw, site)?,
             RawEnd::BallOnLever(raw) => self.ball_on_lever(&raw, site)?,
             RawEnd::Spring(raw) => EndCondition::Spring { stiffness: self.si(&raw.stiffness)? / (radius * radius) },
-        })
+        };
+        Ok((end, lever))
     }
 
     fn kind_has_meaning(&self, kind: &Placed<EndKind>, key: &str, area_given: bool) -> Result<()> {

@@ -84,9 +84,9 @@ impl Checker<'_> {
         let (auto, raw_effects) = auto_or_table(raw.effects);
         let mut bar = self.bar(placed_bar)?;
         all_go_together(self.document, raw_bar, &raw_effects, &bar)?;
-        let torsion = self.twist_or_not(placed_bar, &mut bar)?;
+        let mut torsion = self.twist_or_not(placed_bar, &mut bar)?;
         let heat = self.heat(&raw_effects, &mut bar)?;
-        let ends = self.ends(ends, &bar, torsion.as_ref())?;
+        let ends = self.ends(ends, &bar, torsion.as_mut())?;
         let effects = self.all_effects(&raw_effects, raw_bar, heat, &bar)?;
         let raw_solve = self.required(raw.solve.as_ref(), "solve", UNTIL)?;
         let asked = Asked { effects: &raw_effects, auto: auto.is_some(), bar: &bar, ends: &ends };
@@ -132,17 +132,19 @@ impl Checker<'_> {
     }
 
     /// The left and the right end.
-    fn ends(&self, raw: [Option<Table<'_>>; 2], bar: &Bar, torsion: Option<&Torsion>) -> Result<[EndCondition; 2]> {
+    fn ends(&self, raw: [Option<Table<'_>>; 2], bar: &Bar, torsion: Option<&mut Torsion>) -> Result<[EndCondition; 2]> {
         let end = |raw: Option<Table<'_>>, key, segment| {
             let table = self.required(raw, key, ENDS)?;
-            self.end(&EndSite::new((key, table.span()), bar, segment, torsion), table, bar.area_given)
+            self.end(&EndSite::new((key, table.span()), bar, segment, torsion.as_deref()), table, bar.area_given)
         };
         let [left, right] = raw;
-        let ends = [end(left, "left", 0)?, end(right, "right", bar.segments.len() - 1)?];
-        if torsion.is_none() {
-            self.not_crushed_at_once(bar, ends.each_ref())?;
+        let [(left, at_left), (right, at_right)] =
+            [end(left, "left", 0)?, end(right, "right", bar.segments.len() - 1)?];
+        match torsion {
+            Some(torsion) => torsion.levers = [at_left, at_right],
+            None => self.not_crushed_at_once(bar, [&left, &right])?,
         }
-        Ok(ends)
+        Ok([left, right])
     }
 
     fn all_effects(&self, raw: &RawEffects, raw_bar: &RawBar, heat: Option<Heat>, bar: &Bar) -> Result<Effects> {

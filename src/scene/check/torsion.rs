@@ -96,7 +96,7 @@ impl Checker<'_> {
 
     /// Makes of a bar as it was read one in terms of its surface.
     pub(super) fn twist(&self, raw: &Placed<RawBar>, bar: &mut Bar) -> Result<Torsion> {
-        let mut torsion = Torsion { radius: 0.0, polar: Vec::new() };
+        let mut torsion = Torsion { radius: 0.0, polar: Vec::new(), levers: [1.0; 2] };
         // Each different material of each different section once, so that segments share it.
         let mut shared: HashMap<(usize, u64), Arc<Material>> = HashMap::new();
         for (k, given) in all_given(raw).into_iter().enumerate() {

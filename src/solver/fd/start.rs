@@ -164,7 +164,10 @@ impl Leapfrog {
             end.carry(fan.means(0.0, time, dt)[1]);
         }
         let [given, taken] = end.give(impulse, fan.velocity_at_origin(time, dt));
-        end.show(fan.stress_at_origin(time, dt));
+        // A load that comes within the step ahead has not come yet.
+        if time >= 0.0 {
+            end.show(fan.stress_at_origin(time, dt));
+        }
         energy += taken;
         if self.implicit.is_some() {
             self.share_edges();

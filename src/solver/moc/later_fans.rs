@@ -39,11 +39,14 @@ impl FrontTracking {
         let visits = self.visits(&fronts);
         let (mut is_sharp, mut found) = (vec![false; fronts.len()], Vec::new());
         let mut only_sharp = vec![true; self.segments() + 1];
+        // Segments through which waves have come to each place.
+        let mut came: Vec<Vec<usize>> = vec![Vec::new(); self.segments() + 1];
         for (&(time, place), visit) in &visits {
             only_sharp[place] &= visit.arrive.iter().all(|&k| is_sharp[k]);
             if !only_sharp[place] {
                 continue;
             }
+            let came = &mut came[place];
             for &k in &visit.leave {
                 is_sharp[k] = self.is_elastic(&fronts[k]);
             }
@@ -51,8 +54,11 @@ impl FrontTracking {
                 let later =
                     visits.range((time + 1, 0)..).find(|((_, other), next)| *other == place && !next.leave.is_empty());
                 let next = later.map_or(end, |((time, _), _)| f64::from_bits(*time));
-                found.extend(self.fans(place, visit, &fronts, next));
+                let fans = self.fans(place, visit, &fronts, next).into_iter();
+                let before = |fan: &InitialFan| came.iter().filter(|&&segment| segment == fan.segment).count();
+                found.extend(fans.map(|fan| InitialFan { waves_before: before(&fan), ..fan }));
             }
+            came.extend(visit.arrive.iter().map(|&k| fronts[k].segment));
         }
         found
     }
@@ -148,6 +154,7 @@ impl FrontTracking {
             velocity_ahead: ahead.velocity,
             from: first.t[0],
             wave_through: None,
+            waves_before: 0,
             sudden: false,
             loads_until: f64::INFINITY,
             holds_until: f64::INFINITY,

@@ -1,16 +1,18 @@
-//! Where files may be written: never in place of a folder, a device, a named pipe or a socket; and how: whole or not at all.
+//! Where files may be written: never in place of a folder, a device, a named pipe, a socket or a file that was read; and how: whole or
+//! not at all.
 
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, InputError};
+use crate::inputs;
 use crate::text_file::special;
 
 /// The file that a path stands for: what a symbolic link points to, otherwise the path itself.
 ///
 /// # Errors
-/// What stands there and must not be replaced, or a symbolic link to nothing.
+/// What stands there and must not be replaced, an input among it, or a symbolic link to nothing.
 pub fn resolve(path: &Path) -> Result<PathBuf, InputError> {
     let refuse =
         |what: &str, help: &str| Err(InputError::new(format!("the output {} {what}", path.display())).help(help));
@@ -23,6 +25,9 @@ pub fn resolve(path: &Path) -> Result<PathBuf, InputError> {
     }
     if !metadata.is_file() {
         return refuse(&format!("is a {}, which must not be replaced", special(&metadata)), "name a file");
+    }
+    if inputs::is_protected(path) {
+        return refuse("is a file that this command reads", "name another file");
     }
     Ok(if is_link { path.canonicalize().unwrap_or_else(|_| path.to_owned()) } else { path.to_owned() })
 }
@@ -38,9 +43,30 @@ pub fn is_stdout(path: &Path) -> bool {
 /// It is missing and cannot be made.
 pub fn make_folder(path: &Path) -> Result<(), Error> {
     match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        Some(folder) => std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e)),
+        Some(folder) => folder_at(folder),
         None => Ok(()),
     }
+}
+
+/// Makes a folder, and those above it.
+///
+/// # Errors
+/// It is missing and cannot be made.
+pub fn folder_at(folder: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(|e| cannot_write(folder, &e))
+}
+
+/// The error of a file or a folder that the system does not let be written.
+pub fn cannot_write(path: &Path, error: &std::io::Error) -> Error {
+    let reason = match error.kind() {
+        ErrorKind::NotFound => "there is no such folder, and it cannot be made",
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "a file stands where a folder is needed",
+        ErrorKind::PermissionDenied => "permission denied",
+        ErrorKind::ReadOnlyFilesystem => "the file system is read-only",
+        ErrorKind::StorageFull => "no space is left on the disk",
+        _ => return Error::file(path, format!("cannot write it: {error}")),
+    };
+    Error::file(path, format!("cannot write it: {reason}"))
 }
 
 /// Writes a file under a temporary name and then renames it: the final name never holds half a file. Missing folders are made; `-` is
@@ -55,7 +81,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
         // A reader that has gone away is no error.
         return written.or_else(|e| match e.kind() {
             ErrorKind::BrokenPipe => Ok(()),
-            _ => Err(Error::file(path, e)),
+            _ => Err(cannot_write(path, &e)),
         });
     }
     make_folder(path)?;
@@ -66,7 +92,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, target)).map_err(|e| {
         // Nothing more can be done where even the leftover cannot be removed; the first error is the one to tell.
         let _ = std::fs::remove_file(&temporary);
-        Error::file(path, e)
+        cannot_write(path, &e)
     })?;
     log_written(path, bytes.len());
     Ok(())
@@ -79,12 +105,12 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 pub fn write_new(path: &Path, bytes: &[u8], exists: impl Fn() -> Error) -> Result<(), Error> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(path).map_err(|e| match e.kind() {
         ErrorKind::AlreadyExists => exists(),
-        _ => Error::file(path, e),
+        _ => cannot_write(path, &e),
     })?;
     file.write_all(bytes).map_err(|e| {
         // Nothing half-written stays under the name; that it cannot be deleted either adds nothing.
         let _ = std::fs::remove_file(path);
-        Error::file(path, e)
+        cannot_write(path, &e)
     })?;
     log_written(path, bytes.len());
     Ok(())

@@ -35,6 +35,8 @@ mod elementary;
 
 mod root;
 
+mod inputs;
+
 pub mod text_file;
 
 pub mod destination;

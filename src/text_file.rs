@@ -6,6 +6,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::error::InputError;
+use crate::inputs;
 
 /// Largest text file that is read, bytes: a million rows of a record. A scene has a few kilobytes.
 pub const MOST_BYTES: u64 = 64 << 20;
@@ -156,6 +157,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
         let size = metadata.len().div_ceil(1 << 20);
         return Err(too_large(&shown, &format!("{size} MiB")));
     }
+    inputs::protect(path);
     bounded(File::open(path).map_err(failed)?, &shown)
 }
 
@@ -227,9 +229,11 @@ fn help_for(kind: std::io::ErrorKind) -> &'static str {
     }
 }
 
-fn plain_reason(error: &std::io::Error) -> String {
+/// What the system says of a file that cannot be read, in plain words.
+pub fn plain_reason(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "no such file".into(),
+        std::io::ErrorKind::NotADirectory => "it is not a folder".into(),
         std::io::ErrorKind::IsADirectory => "it is a folder".into(),
         std::io::ErrorKind::PermissionDenied => "permission denied".into(),
         _ => error.to_string(),
@@ -239,7 +243,7 @@ fn plain_reason(error: &std::io::Error) -> String {
 /// What keeps this from being read as a file, and what to do; none of regular files and of pipes that a shell has opened. A named
 /// pipe is refused: opening one that nobody writes to never returns.
 fn unreadable(path: &Path, metadata: &Metadata) -> Option<(&'static str, &'static str)> {
-    const USE_STDIN: &str = "name a file, or `-` for a scene on standard input";
+    const USE_STDIN: &str = "name a file, or `-` for standard input";
     if metadata.is_dir() {
         return Some(("it is a folder", "name a file in it"));
     }

@@ -84,7 +84,10 @@ fn results(names: &[String]) -> Result<Option<Vec<PathBuf>>> {
         return Ok(None);
     }
     if count < names.len() || count < 2 {
-        let message = format!("{count} of {} names are result files", names.len());
+        let message = match names.len() {
+            1 => "a comparison of results needs at least 2 result files".to_owned(),
+            all => format!("{count} of {all} names are result files"),
+        };
         let help = "give result files only, the reference first: barwave compare a.h5 b.h5";
         return Err(InputError::new(message).allowed("materials only, or at least 2 result files").help(help).into());
     }

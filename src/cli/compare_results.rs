@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::output;
 use crate::destination;
 use crate::error::{InputError, Result};
+use crate::inputs;
 use crate::record::Field;
 use crate::record::store::ResultFile;
 use crate::report::{self, plot};
@@ -21,6 +22,9 @@ pub(super) struct Outputs<'a> {
 
 pub(super) fn run(paths: &[PathBuf], outputs: &Outputs<'_>) -> Result<()> {
     let files = paths.iter().map(|path| ResultFile::open(path)).collect::<Result<Vec<_>>>()?;
+    for path in paths {
+        inputs::protect(path);
+    }
     let differences = compare_results(&files)?;
     if let Some(field) =
         outputs.field.filter(|f| differences.iter().any(|d| d.fields.iter().all(|own| own.field != *f)))
@@ -78,10 +82,11 @@ fn text(first: &Path, difference: &Difference) -> String {
 fn row(name: &str, units: &str, norms: Norms, at: String) -> Vec<String> {
     let mut cells = vec![name.to_owned(), units.to_owned()];
     for norm in [norms.l1, norms.l2, norms.max] {
-        cells.push(std::format!("{:.3e}", norm.value));
+        cells.push(if norm.value == 0.0 { "0".to_owned() } else { std::format!("{:.3e}", norm.value) });
         cells.push(norm.relative.map_or_else(|| "-".to_owned(), |r| std::format!("{:.2} %", 100.0 * r)));
     }
-    cells.push(at);
+    // Where nothing differs, no place is that of the largest difference.
+    cells.push(if norms.max.value == 0.0 { "-".to_owned() } else { at });
     cells
 }
 

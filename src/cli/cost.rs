@@ -92,7 +92,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     let found = cost(&scene, &mut Hooks { budget, measure, whole: &mut whole, progress: &mut progress });
     bar.finish_and_clear();
-    let found = found?;
+    let found = found.inspect_err(explain_interruption)?;
     if let (Some(path), Some(kind)) = (args.output.as_deref(), kind) {
         write(path, &kind, &found)?;
     }
@@ -101,7 +101,19 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     } else if !args.quiet {
         output::text_beside([args.output.as_deref()], &text(&found, args.output.as_deref()))?;
     }
-    if found.interrupted { Err(Error::Interrupted) } else { Ok(()) }
+    if !found.interrupted {
+        return Ok(());
+    }
+    let kept = args.output.as_ref().map_or_else(|| "shown".to_owned(), |path| format!("in {}", path.display()));
+    output::remark(&format!("interrupted: the points measured so far are {kept}\n"));
+    Err(Error::Interrupted)
+}
+
+/// A study that was asked to stop before its first point.
+fn explain_interruption(error: &Error) {
+    if matches!(error, Error::Interrupted) {
+        output::remark("interrupted before the first point was measured: nothing is kept\n");
+    }
 }
 
 /// The study of an impact that is not waves in a bar.
@@ -116,7 +128,7 @@ fn of_impact(args: &Args, scene: &ImpactScene, kind: Option<&Kind>, budget: f64)
     };
     let found = impact_cost(scene, &mut progress);
     bar.finish_and_clear();
-    let found = found?;
+    let found = found.inspect_err(explain_interruption)?;
     match (args.output.as_deref(), kind) {
         (Some(path), Some(Kind::Csv)) => destination::write_whole(path, super::impact_cost::csv(&found).as_bytes())?,
         (Some(path), Some(Kind::Json)) => {

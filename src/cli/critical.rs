@@ -7,11 +7,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::output;
+use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::material::{
-    self, Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve, mean_modulus,
+    self, Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve, mean_modulus, rate_tables,
 };
 use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, confirm};
 use crate::study::critical::{CriticalRow, critical};
@@ -112,6 +112,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.repeats {
         materials = vec![mean_of(&materials)?];
     }
+    if args.simulate || args.rate || args.heat {
+        interrupt::nothing_kept();
+    }
     let bar = progress_bar(args, materials.len());
     let studied = materials.par_iter().map(|material| {
         let studied = study(args, &how, material);
@@ -156,7 +159,8 @@ fn checked(args: &Args) -> Result<Checked> {
         return Err(wrong(format!("{length} m is out of range")));
     }
     if args.length.is_some() && !args.rate && !args.heat {
-        return Err(wrong("the static critical velocity does not depend on the length".into()));
+        let error = InputError::new("the static critical velocity does not depend on the length").key("--length");
+        return Err(error.allowed("with --rate or --heat").help("remove --length, or add --rate or --heat").into());
     }
     if let Some(path) = args.output.as_deref().filter(|path| !output::is_csv(path)) {
         let error = InputError::new(format!("unknown table format `{}`", path.display())).key("-o");
@@ -186,8 +190,8 @@ fn beyond_static(material: &Material, row: &CriticalRow, with: RateAndHeat, leng
         InputError::new(format!("the material `{}` {what}", material.name)).key(option).help(help).into()
     };
     if with.rate && material.constants.rate.is_empty() {
-        let help = "add [rate.johnson-cook], [rate.cowper-symonds] or [rate.malvern] to its file";
-        return Err(refuse("--rate", "has no rate constants".into(), help));
+        let help = format!("add {} to its file", rate_tables());
+        return Err(refuse("--rate", "has no rate constants".into(), &help));
     }
     let heated = if with.heat {
         material.heated(None).map_err(|error| match error {

@@ -223,6 +223,12 @@ fn constants(m: &Material) -> Vec<(&'static str, String)> {
         .collect()
 }
 
+/// A strain in seven significant digits, without an exponent.
+fn strain_digits(strain: f64) -> String {
+    let zeros = if strain > 0.0 { (-strain.log10()).floor().max(0.0) as usize } else { 0 };
+    format!("{strain:.*}", zeros + 7)
+}
+
 fn branch(name: &str, curve: &Curve) -> String {
     let beyond = match curve.beyond() {
         Beyond::Rupture => "fractures at the last row",
@@ -233,7 +239,7 @@ fn branch(name: &str, curve: &Curve) -> String {
         .strain()
         .iter()
         .zip(curve.stress())
-        .map(|(strain, stress)| vec![format!("{strain:.6e}"), format!("{:.4}", stress / MPA)])
+        .map(|(strain, stress)| vec![strain_digits(*strain), format!("{:.4}", stress / MPA)])
         .collect();
     format!("\n{name}: {} rows; {beyond}\n{}", rows.len(), output::table(&["strain", "stress MPa"], &rows, 0, false))
 }

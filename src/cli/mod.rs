@@ -146,11 +146,16 @@ fn usage(error: &clap::Error) -> ExitCode {
 const MOST_THREADS: usize = 1024;
 const STACK: f64 = 2.0 * 1024.0 * 1024.0;
 
-/// Makes the pool; `key` names who asked. 0 is as many as the machine has.
+const OPTION: &str = "--threads";
+
+/// Makes the pool; `key` names who asked. 0 in the environment is as many as the machine has.
 fn use_threads(key: &str, threads: usize) -> Result<()> {
-    if threads > MOST_THREADS {
+    if threads > MOST_THREADS || threads == 0 && key == OPTION {
         let gib = threads as f64 * STACK / (1024.0 * 1024.0 * 1024.0);
-        let error = InputError::new(format!("{threads} threads would reserve {gib:.0} GiB of memory for their stacks"));
+        let error = InputError::new(match threads {
+            0 => "0 threads compute nothing".to_owned(),
+            _ => format!("{threads} threads would reserve {gib:.0} GiB of memory for their stacks"),
+        });
         let allowed = format!("1 <= threads <= {MOST_THREADS}");
         return Err(error.key(key).allowed(allowed).help("use at most one thread per core, or omit the option").into());
     }
@@ -163,7 +168,7 @@ fn use_threads(key: &str, threads: usize) -> Result<()> {
 /// The exit code of a command that has already printed its message.
 fn dispatch(cli: &Cli) -> Result<u8> {
     let variable = || std::env::var("RAYON_NUM_THREADS").ok()?.trim().parse().ok().map(|n| ("RAYON_NUM_THREADS", n));
-    if let Some((key, threads)) = cli.threads.map(|n| ("--threads", n)).or_else(variable) {
+    if let Some((key, threads)) = cli.threads.map(|n| (OPTION, n)).or_else(variable) {
         use_threads(key, threads)?;
     }
     log::info!("{}, {} threads", output::program(), rayon::current_num_threads());

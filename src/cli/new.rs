@@ -83,7 +83,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let said = format!(
         "wrote {}; try `barwave check {1}`, then `barwave {command} {1}`\n",
         names.join(" and "),
-        path.display()
+        output::shell_word(&path)
     );
     output::written(&wrote.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &said)
 }
@@ -114,7 +114,7 @@ fn target(name: &Path) -> Result<PathBuf> {
 fn text(path: &Path, kind: Kind) -> String {
     let quoted = |text: String| toml::Value::String(text).to_string();
     let text = kind.template().replace("\"TITLE\"", &quoted(stem(path)));
-    text.replace("\"SCENE\"", &quoted(scene_name(path))).replace("NAME.toml", &path.display().to_string())
+    text.replace("\"SCENE\"", &quoted(scene_name(path))).replace("NAME.toml", &output::shell_word(path))
 }
 
 fn exists(path: &Path) -> Error {

@@ -52,6 +52,13 @@ pub(crate) fn take_remarks() -> Vec<String> {
     REMARKS.lock().map(|mut remarks| std::mem::take(&mut *remarks)).unwrap_or_default()
 }
 
+/// A path as a shell reads it.
+pub(crate) fn shell_word(path: &Path) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/._-+=,:@".contains(c);
+    let shown = path.display().to_string();
+    if shown.chars().all(plain) { shown } else { format!("'{}'", shown.replace('\'', "'\\''")) }
+}
+
 /// Default folder of results: `runs/out` if there is a folder `runs`, else `beside`.
 pub(crate) fn default_folder(beside: &Path) -> PathBuf {
     if Path::new("runs").is_dir() { PathBuf::from("runs/out") } else { beside.to_owned() }
@@ -156,4 +163,9 @@ pub(crate) fn fixed(value: Option<f64>, digits: usize) -> String {
     let text = value.map_or_else(|| "-".into(), |v| format!("{v:.digits$}"));
     let zero = text.strip_prefix('-').filter(|rest| !rest.is_empty() && rest.chars().all(|c| c == '0' || c == '.'));
     zero.map_or(text.clone(), str::to_owned)
+}
+
+/// A number of things: "1 case", "2 cases".
+pub(crate) fn counted(count: usize, thing: &str) -> String {
+    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::{output, settings};
 use crate::destination;
 use crate::error::Result;
+use crate::inputs;
 use crate::record::Field;
 use crate::record::store::ResultFile;
 use crate::report::plot::{Format, save};
@@ -40,6 +41,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let file = ResultFile::open(&args.file)?;
+    inputs::protect(&args.file);
     let path = args.output.clone().unwrap_or_else(|| args.file.with_extension("svg"));
     let format = Format::of(&path)?;
     output::check(settings::json(), [Some(path.as_path())])?;

@@ -14,6 +14,7 @@ use super::{interrupt, message, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
+use crate::inputs;
 use crate::record::Summary;
 use crate::record::store::{self, Existing, StoredScene};
 use crate::run::{self, Progress};
@@ -124,6 +125,7 @@ fn run_file(args: &Args, file: &Path, every: Option<Duration>, outputs: &mut Vec
         return run_scene(args, scene, &default_output(args, folder, stem), every, outputs);
     }
     let stored = StoredScene::read(file)?;
+    inputs::protect(file);
     let overrides = [&stored.overrides[..], &args.overrides].concat();
     let document = Document::new(std::format!("{}.toml", stored.name), stored.text);
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -219,16 +221,9 @@ fn interrupted(args: &Args, path: &Path, began: bool) -> String {
     // An earlier result in the place of a run that has not begun may have a checkpoint, too.
     let kept = destination::resolve(path).is_ok_and(|place| store::checkpoint_path(&place).exists());
     if began && kept {
-        return left + &std::format!("resume with: barwave run --resume {}\n", quoted(path));
+        return left + &std::format!("resume with: barwave run --resume {}\n", output::shell_word(path));
     }
     left + "nothing can be resumed: the effects or the method were still being chosen\n"
-}
-
-/// A path as a shell reads it.
-fn quoted(path: &Path) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "/._-+=,:@".contains(c);
-    let shown = path.display().to_string();
-    if shown.chars().all(plain) { shown } else { std::format!("'{}'", shown.replace('\'', "'\\''")) }
 }
 
 /// A run that is resumed is that of its file.
@@ -264,7 +259,7 @@ fn interval(given: &Quantity) -> Result<Duration> {
 fn run_impact(args: &Args, scene: &ImpactScene, path: &Path) -> Result<()> {
     let refused = [
         (args.checkpoint.is_some(), "--checkpoint", "scene is solved in seconds and has no checkpoints"),
-        (args.estimate_error, "--estimate-error", "scene always reports its error estimate"),
+        (args.estimate_error, "--estimate-error", "scene has no cells whose error could be estimated"),
     ];
     if let Some((_, key, why)) = refused.into_iter().find(|(given, ..)| *given) {
         let message = std::format!("a [{}] {why}", scene.problem.kind().replace("energy", "specimen"));

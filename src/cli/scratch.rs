@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::destination;
+use crate::error::Result;
 
 /// It is removed with the value.
 pub(super) struct Scratch(PathBuf);
@@ -11,7 +12,7 @@ impl Scratch {
     /// For a command of this name.
     pub fn new(command: &str) -> Result<Self> {
         let folder = std::env::temp_dir().join(format!("barwave-{command}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).map_err(|e| Error::file(&folder, e))?;
+        destination::folder_at(&folder)?;
         Ok(Self(folder))
     }
 

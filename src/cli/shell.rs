@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{CommandFactory, ValueEnum};
 
 use super::{Cli, output, settings};
+use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::material::RawMaterial;
 use crate::scene::{KINDS, RawScene};
@@ -84,7 +85,7 @@ pub(crate) fn man(args: &ManArgs) -> Result<()> {
         rendered.map_err(|e| Error::file("man page".as_ref(), e))?;
         return output::bytes(&page);
     };
-    std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
+    destination::folder_at(folder)?;
     clap_mangen::generate_to(Cli::command(), folder).map_err(|e| Error::file(folder, e))
 }
 

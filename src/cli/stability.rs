@@ -36,6 +36,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.show {
         return cases.iter().try_for_each(|case| output::text(&format!("{}\n", case.text())));
     }
+    if let Some(path) = args.output.as_deref().filter(|path| !is_markdown(path)) {
+        let error = InputError::new(format!("`{}` is not the name of a Markdown file", path.display())).key("-o");
+        return Err(error.allowed("a file name ending in .md, or `-`").help("e.g. -o hard-cases.md").into());
+    }
     output::check(args.json, [args.output.as_deref()])?;
     let tried = try_all(&cases, !args.json && args.output.as_deref() != Some(Path::new("-")))?;
     if let Some(path) = &args.output {
@@ -49,6 +53,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return Err(Error::Checks(format!("{failed} of {} runs failed a check", tried.len())));
     }
     Ok(())
+}
+
+fn is_markdown(path: &Path) -> bool {
+    destination::is_stdout(path) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("md"))
 }
 
 fn select(names: &[String]) -> Result<Vec<&'static HardCase>> {
@@ -112,12 +120,12 @@ fn outcome(tried: &Tried) -> String {
     text
 }
 
-const HEADING: &str = "# Hard cases\n\nWritten by `barwave stability -o docs/hard-cases.md`. Every scene is run with every method \
-                       that accepts it. The scenes are in `tests/hard_cases`.";
+const HEADING: &str = "# Hard cases\n\nWritten by `barwave stability`. Every scene is run with every method \
+                       that accepts it. `barwave stability CASE --show` prints a scene.";
 const CHECKED: &str = "Checks: all numbers are finite; kinetic, elastic and stored energies are not negative; dissipated energies \
                        do not decrease; the energy residual is at most 1e-6; the method adds at most 1 % of the energy to the \
                        bar; fields stay within the bounds stated in the scene.";
-const VARIATION: &str = "The total variation does not grow (Godunov scheme and front tracking). Applies to a bar of one uniform \
+const VARIATION: &str = "The total variation does not grow (muscl and moc). Applies to a bar of one uniform \
                          segment with one free end, the other loaded at t = 0 by a constant velocity, a constant stress or a wall: \
                          the sums of the jumps of stress and of velocity along the bar are at most 1.01 times the jumps imposed at \
                          t = 0. Reflections at such ends do not increase them. Leapfrog is not monotone and is exempt.";
@@ -126,7 +134,7 @@ const CONVERGENCE: &str = "The results converge. Of three runs, with N, 2N and 4
                            smaller between the second and the third than between the first and the second. 4N is the number of \
                            cells of the scene unless the scene states otherwise. The table lists both differences; below 1e-9 \
                            the result is exact. Where a check fails, the case states the reason.";
-const TABLE: &str = "| case | leapfrog | Godunov | characteristics |\n|---|---|---|---|\n";
+const TABLE: &str = "| case | leapfrog | muscl | moc |\n|---|---|---|---|\n";
 
 /// The page of the documentation.
 fn markdown(cases: &[&'static HardCase], tried: &[Tried]) -> String {

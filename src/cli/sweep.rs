@@ -79,25 +79,30 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let finished = sweep::run(&sweep, &folder, shard, args.resume, &on_row, &interrupt::flag());
     bar.finish_and_clear();
     let finished = finished.inspect_err(|error| explain_interruption(error, &folder))?;
-    if let Some(path) = &args.plot {
-        draw(path, &sweep, &folder)?;
-    }
+    let drawn = args.plot.as_ref().map_or(Ok(()), |path| draw(path, &sweep, &folder));
     for name in &finished.without_values {
         output::note(&format!(
             "warning: no case has the metric `{name}`; the names are those of `barwave run --json`\n"
         ));
     }
-    if silent { Ok(()) } else { output::text(&summary(&finished, &folder, bar.elapsed().as_secs_f64())) }
+    if !silent {
+        // Of a sweep without numbers to draw, the table is there all the same.
+        let figure = args.plot.as_deref().filter(|_| drawn.is_ok());
+        let said = summary(&finished, &folder, bar.elapsed().as_secs_f64(), figure);
+        output::text_beside([figure], &said)?;
+    }
+    drawn
 }
 
 /// The figure of all rows in the folder.
 fn draw(path: &Path, sweep: &Sweep, folder: &Path) -> Result<()> {
-    let figure = report::sweep::figure(&sweep.plan, &sweep::rows(folder)?).ok_or_else(|| {
+    let title = format!("Sweep {}", sweep.name);
+    let figure = report::sweep::figure(&title, &sweep.plan, &sweep::rows(folder)?).ok_or_else(|| {
         InputError::new("nothing to plot: no metric is numeric in two cases of a numeric axis")
             .key("--plot")
             .help("choose numeric metrics under [sweep] and a numeric axis")
     })?;
-    plot::save(path, &sweep.plan.title, &figure)
+    plot::save(path, &title, &figure)
 }
 
 /// Where the rows are of a sweep that was asked to stop.
@@ -124,21 +129,34 @@ pub(crate) fn progress_bar(cases: u64, silent: bool) -> ProgressBar {
     let bar = ProgressBar::new(cases);
     if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} cases  {rate} cases/s  {eta} left") {
         bar.set_style(style.with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            let digits = if state.per_sec() < 10.0 { 2 } else { 0 };
-            let _ = write!(text, "{:.digits$}", state.per_sec());
+            let _ = text.write_str(&rate_text(state.per_sec()));
         }));
     }
     bar
 }
 
-fn summary(finished: &Finished, folder: &Path, seconds: f64) -> String {
+fn summary(finished: &Finished, folder: &Path, seconds: f64, figure: Option<&Path>) -> String {
     let all: usize = finished.statuses.values().sum();
     let statuses: Vec<String> = finished.statuses.iter().map(|(name, count)| format!("{count} {name}")).collect();
-    let mut text = format!("{all} cases: {}\n", statuses.join(", "));
-    let rate = finished.run as f64 / seconds.max(1e-9);
+    let mut text = format!("{}: {}\n", output::counted(all, "case"), statuses.join(", "));
     // Writing to a String cannot fail.
-    let _ = writeln!(text, "  time    {seconds:.3} s for {} of them ({rate:.0} cases/s)", finished.run);
+    if let Some((reason, count)) = &finished.commonest_reason {
+        let _ = writeln!(text, "  reason  of {}: {reason}", output::counted(*count, "case"));
+    }
+    if finished.run > 0 {
+        let rate = finished.run as f64 / seconds.max(1e-9);
+        let run = if finished.run == all { String::new() } else { format!(" for {} of them", finished.run) };
+        let _ = writeln!(text, "  time    {seconds:.3} s{run} ({} cases/s)", rate_text(rate));
+    }
     let _ = writeln!(text, "  table   {}", folder.join("table.csv").display());
     let _ = writeln!(text, "  HDF5    {}", folder.join("sweep.h5").display());
+    if let Some(figure) = figure {
+        let _ = writeln!(text, "  figure  {}", figure.display());
+    }
     text
+}
+
+/// Cases per second; slow ones have decimals.
+fn rate_text(rate: f64) -> String {
+    if rate < 10.0 { format!("{rate:.2}") } else { format!("{rate:.0}") }
 }

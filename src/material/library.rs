@@ -141,6 +141,13 @@ fn is_path(name: &str) -> bool {
 }
 
 fn unknown(name: &str, base_dir: &Path) -> InputError {
+    let error = InputError::new(format!("unknown material `{name}`")).key("material");
+    if text_file::is_file(&base_dir.join(name)) {
+        let help = format!(
+            "a material file ends in .toml; of the record of a test, `barwave materials import \"{name}\" --density ...` makes one"
+        );
+        return error.help(help);
+    }
     let user = user_names(base_dir);
     let mut known: Vec<&str> = names().chain(ALIASES.iter().map(|(alias, _)| *alias)).collect();
     known.extend(user.iter().map(String::as_str));
@@ -148,5 +155,5 @@ fn unknown(name: &str, base_dir: &Path) -> InputError {
         Some(near) => format!("did you mean `{near}`? `barwave materials` lists them"),
         None => "`barwave materials` lists them; a path to a material file ends in .toml".into(),
     };
-    InputError::new(format!("unknown material `{name}`")).key("material").help(help)
+    error.help(help)
 }

@@ -33,7 +33,7 @@ pub use heat_constants::HeatConstants;
 pub use heating::{DEFAULT_FRACTION, Heating, HeatingError, WorkTable};
 pub use mean_curve::{mean_curve, mean_modulus};
 pub use rate::Rate;
-pub(crate) use rate::{RateModel, RawRate, TEMPERATURE};
+pub(crate) use rate::{RateModel, RawRate, TEMPERATURE, tables as rate_tables};
 pub use raw::RawMaterial;
 pub use scatter::{Scatter, TestCurve};
 pub use tabulate::{

@@ -43,6 +43,13 @@ macro_rules! rate_laws {
             $($(#[doc = $doc])* $table: Option<Placed<RawRate>>,)*
         }
 
+        /// The tables of the laws in a material file, in words.
+        pub(crate) fn tables() -> String {
+            let names = [$(concat!("[rate.", $name, "]")),*];
+            let (last, first) = names.split_last().unwrap_or((&"", &[]));
+            format!("{} or {last}", first.join(", "))
+        }
+
         impl RawRates {
             /// The laws that are stated.
             fn stated(&self) -> impl Iterator<Item = (RateModel, &Placed<RawRate>)> {

@@ -4,11 +4,10 @@ use super::display::{Unit, Units, field_name};
 use super::drawing::Picture;
 use super::grid::{Panel, draw, stroke};
 use super::panel::Series;
-use super::view::nearest;
 use crate::error::Result;
 use crate::record::store::{ResultFile, Side};
 use crate::record::{Field, Trace};
-use crate::study::compare_results::Difference;
+use crate::study::compare_results::{Difference, profile_at};
 
 /// Most gauges that get a panel.
 const GAUGES: usize = 6;
@@ -46,9 +45,8 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
     let (unit, label) = unit_label(field);
     let mut series = Vec::new();
     for (i, file) in files.iter().enumerate().filter(|(_, file)| file.fields().contains(&field)) {
-        let frame = nearest(&file.time()?, largest.time_s);
-        let values = file.field(field, frame..frame + 1)?;
-        let points = file.x()?.into_iter().zip(values.row(0)).map(|(x, v)| (x, v * unit.factor)).collect();
+        let values = profile_at(file, field, largest.time_s)?;
+        let points = file.x()?.into_iter().zip(values).map(|(x, v)| (x, v * unit.factor)).collect();
         series.push(Series::line(&names[i], points, stroke(i)));
     }
     zoom(&mut series);

@@ -10,7 +10,7 @@ const PANEL: [f64; 2] = [566.0, 380.0];
 const MARGIN: f64 = 16.0;
 const HEADER: f64 = 40.0;
 
-const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
+pub(super) const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
 
 /// The line of series `i`.
 pub(super) fn stroke(i: usize) -> Stroke {
@@ -26,11 +26,16 @@ pub(super) struct Panel {
 
 /// The panels with a title above them, lettered where there is more than one; zero is on every axis. SVG text.
 pub(super) fn draw(title: &str, panels: &[Panel]) -> Picture {
+    draw_from(title, panels, Some(0.0))
+}
+
+/// The same with x axes that reach to `origin`, if there is one.
+pub(super) fn draw_from(title: &str, panels: &[Panel], origin: Option<f64>) -> Picture {
     document(title, [panels.len().min(2), panels.len().div_ceil(2)], |drawing| {
         for (k, Panel { heading, axes: [x, y], series }) in panels.iter().enumerate() {
             let letter = char::from(b'a' + (k % 26) as u8);
             let heading = if panels.len() > 1 { format!("({letter})  {heading}") } else { heading.clone() };
-            panel(drawing, area(k % 2, k / 2), &heading, [x, y], series);
+            panel_from(drawing, area(k % 2, k / 2), &heading, [x, y], series, origin);
         }
     })
 }
@@ -52,9 +57,53 @@ pub(super) fn document(title: &str, [columns, rows]: [usize; 2], draw: impl FnOn
 }
 
 /// A panel whose axes reach from zero to all points.
-pub(super) fn panel(drawing: &mut Drawing, place: Area, heading: &str, [x, y]: [&str; 2], series: &[Series]) {
+pub(super) fn panel(drawing: &mut Drawing, place: Area, heading: &str, axes: [&str; 2], series: &[Series]) {
+    panel_from(drawing, place, heading, axes, series, Some(0.0));
+}
+
+fn panel_from(
+    drawing: &mut Drawing,
+    place: Area,
+    heading: &str,
+    [x, y]: [&str; 2],
+    series: &[Series],
+    origin: Option<f64>,
+) {
     let all = || series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
-    let x = Axis::around(x, all().map(|p| p.0).chain([0.0]));
-    let y = Axis::around(y, all().map(|p| p.1).chain([0.0]));
+    let x = axis(x, &all().map(|p| p.0), origin);
+    let y = axis(y, &all().map(|p| p.1), Some(0.0));
     line_panel(drawing, place, heading, x, y, series);
+}
+
+/// An axis around values and its origin, which ends at zero where no value lies beyond.
+fn axis(label: &str, values: &(impl Iterator<Item = f64> + Clone), origin: Option<f64>) -> Axis {
+    let mut axis = Axis::around(label, values.clone().chain(origin));
+    let (negative, positive) = (values.clone().any(|v| v < 0.0), values.clone().any(|v| v > 0.0));
+    if positive && !negative {
+        axis.low = axis.low.max(0.0);
+    }
+    if negative && !positive {
+        axis.high = axis.high.min(0.0);
+    }
+    axis
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_end_at_zero_where_no_value_lies_beyond() {
+        let ends = |values: &[f64], origin| {
+            let axis = axis("", &values.iter().copied(), origin);
+            (axis.low, axis.high)
+        };
+        assert_eq!(ends(&[10.0, 100.0], Some(0.0)).0, 0.0);
+        assert_eq!(ends(&[-40.0, -10.0], Some(0.0)).1, 0.0);
+        assert!(ends(&[-1.0, 1.0], Some(0.0)).0 < -1.0);
+        let (low, high) = ends(&[-12.0, -7.0], None);
+        assert!(low < -12.0 && (-7.0..-6.0).contains(&high));
+        let (low, high) = ends(&[0.0, 0.0], Some(0.0));
+        assert!(low < high);
+    }
 }

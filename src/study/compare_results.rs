@@ -187,6 +187,14 @@ fn notes(first: &ResultFile, other: &ResultFile, [a, b]: [&Grid; 2]) -> Vec<Stri
         let [p, q] = [a.span()[1], b.span()[1]];
         notes.push(format!("the results end at {p:e} s and {q:e} s: only the common time is compared"));
     }
+    let common = common(a.span(), b.span());
+    let between = |time: &f64| (common[0]..common[1]).contains(time) && apart(*time, &b.time) > 1e-9 * common[1].abs();
+    if a.time.iter().any(between) {
+        notes.push(format!(
+            "the frames are at other times: {} is interpolated between its frames, which smears fronts; record the same number of frames",
+            other.path().display()
+        ));
+    }
     let names = |file: &ResultFile| file.fields().iter().map(|f| f.name().to_owned()).collect::<Vec<_>>();
     let alone = |own: &[String], others: &[String]| -> Vec<String> {
         own.iter().filter(|name| !others.contains(name)).cloned().collect()
@@ -198,6 +206,24 @@ fn notes(first: &ResultFile, other: &ResultFile, [a, b]: [&Grid; 2]) -> Vec<Stri
         }
     }
     notes
+}
+
+/// Distance of a value from the nearest of an increasing list.
+fn apart(value: f64, list: &[f64]) -> f64 {
+    let next = list.partition_point(|&other| other < value);
+    let near = list[next.saturating_sub(1)..(next + 1).min(list.len())].iter();
+    near.map(|other| (other - value).abs()).fold(f64::INFINITY, f64::min)
+}
+
+/// A field along the bar at a time (s), interpolated between the frames as in comparisons.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn profile_at(file: &ResultFile, field: Field, time: f64) -> Result<Vec<f64>> {
+    let at = Between::of(&file.time()?, time);
+    let frames = file.field(field, at.low..at.low + at.step + 1)?;
+    let pair = frames.row(0).iter().zip(frames.row(at.step)).map(|(a, b)| at.mean(*a, *b)).collect();
+    Ok(pair)
 }
 
 /// Sums of a norm.

@@ -371,13 +371,13 @@ fn plasticity(scene: &Scene, initial_fans: &[crate::bar::InitialFan]) -> Planned
         (true, _) => "the curves are straight lines",
         _ if worked => "the bar has an initial plastic strain",
         _ if scene.bar.has_initial_state() => {
-            "the first waves of a bar with an initial stress are not predicted; plastic flow starts only if a wave exceeds the \
+            "the first waves of a bar with an initial stress are not predicted; plastic flow starts if a wave exceeds the \
              elastic limit"
         }
         (_, true) => "the first waves exceed the elastic limit",
-        (_, false) => "the first waves are elastic; plastic flow starts only if a reflection exceeds the elastic limit",
+        (_, false) => "the first waves are elastic; plastic flow starts if a later wave exceeds the elastic limit",
     };
-    let (effect, on) = ("plasticity".into(), (yields || worked) && !linear);
+    let (effect, on) = ("plasticity".into(), !linear);
     PlannedEffect { effect, on, why: why.into(), estimate: None, threshold: None }
 }
 

@@ -8,6 +8,9 @@ use crate::wave::similarity;
 /// Ends of the intervals behind the elastic one, engineering strain.
 const ENDS: [f64; 14] = [0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
 
+/// What is left of an interval and shorter than this part of it is no interval of its own.
+const SHORT: f64 = 0.5;
+
 /// Relative change of the stress of which the sensitivities are made: small, since near the maximum the velocity answers like a root.
 const CHANGE: f64 = 1e-3;
 const PERCENT: f64 = 0.01;
@@ -35,9 +38,7 @@ pub fn sensitivity(material: &Material, sense: Sense) -> Vec<Interval> {
         return Vec::new();
     };
     let limit = curve.elastic_limit(material.modulus).0;
-    let mut ends: Vec<f64> = (limit > 0.0).then_some(limit).into_iter().chain(ENDS).collect();
-    ends.retain(|end| *end >= limit && *end < ultimate.strain * (1.0 - 1e-9));
-    ends.push(ultimate.strain);
+    let ends = ends(limit, ultimate.strain);
     let starts = std::iter::once(0.0).chain(ends.iter().copied());
     let intervals: Vec<(f64, f64)> = starts.zip(ends.iter().copied()).collect();
     let middles: Vec<f64> = intervals.iter().map(|(from, to)| 0.5 * (from + to)).collect();
@@ -63,6 +64,18 @@ pub fn sensitivity(material: &Material, sense: Sense) -> Vec<Interval> {
     intervals.iter().enumerate().map(one).collect()
 }
 
+/// Ends of the intervals from the elastic limit to the ultimate strain. What either of these leaves of an interval between two of [`ENDS`]
+/// counts as part of the neighbour if it is short: how the velocity answers to an interval depends on how long it is.
+fn ends(limit: f64, ultimate: f64) -> Vec<f64> {
+    let last = ENDS[ENDS.len() - 1];
+    let starts = std::iter::once(0.0).chain(ENDS);
+    let nexts = ENDS.into_iter().skip(1).chain([2.0 * last]);
+    let long = |from: f64, to: f64| ultimate.min(to) - limit.max(from) >= SHORT * (to - from);
+    let kept = starts.zip(ENDS).zip(nexts).filter(|((start, end), next)| long(*start, *end) && long(*end, *next));
+    let elastic = (limit > 0.0 && limit < ultimate).then_some(limit);
+    elastic.into_iter().chain(kept.map(|((_, end), _)| end)).chain([ultimate]).collect()
+}
+
 /// The curve with its stress raised about the middle of interval `k`; over all intervals the weights add up to 1.
 fn raised(curve: &Curve, middles: &[f64], k: usize, change: f64) -> Option<Curve> {
     let mut strains: Vec<f64> = curve.strain().iter().copied().chain(middles.iter().copied()).collect();
@@ -85,6 +98,14 @@ fn weight(middles: &[f64], k: usize, strain: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_interval_is_a_sliver() {
+        assert_eq!(ends(0.0019, 0.1505), [0.0019, 0.005, 0.01, 0.02, 0.05, 0.1, 0.1505]);
+        assert_eq!(ends(0.0005, 0.19), [0.0005, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.15, 0.19]);
+        assert_eq!(ends(0.0, 0.0006), [0.0006]);
+        assert_eq!(ends(0.3, 0.3), [0.3]);
+    }
 
     #[test]
     fn contributions_add_up_and_a_straight_curve_answers_in_closed_form() {

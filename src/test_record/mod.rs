@@ -22,5 +22,5 @@ pub use reduce::{PROOF_OFFSET, Reduce, Reduction, reduce};
 pub use repeats::{Repeats, combine};
 pub use rounding::{strain_step, stress_step};
 pub use short_table::{Straightened, straighten};
-pub use table::{Reading, Record, UnitsNamed, read};
+pub use table::{Reading, Record, UnitsNamed, name, read};
 pub use text::MaterialText;

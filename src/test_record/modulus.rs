@@ -15,7 +15,7 @@ const LEVELS_FACTOR: f64 = 1.12;
 const LEVELS_FROM: f64 = 0.01;
 
 /// Fewest rows of an interval.
-const FEWEST: usize = 8;
+pub(super) const FEWEST: usize = 8;
 
 /// Bias that is not distinguished from none, relative to the slope: intervals better than this differ by their length only.
 const RESOLUTION: f64 = 1e-3;

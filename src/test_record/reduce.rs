@@ -90,8 +90,11 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
     let largest = rows.iter().map(|row| row.1).fold(0.0, f64::max);
     let line = elastic_line(&rows, Variances { noise: &variances, rounding: &rounding }, how.elastic_range)
         .filter(|line| line.slope > 0.0 && line.end < rows.len());
-    let Some(line) = line else { return Err(no_line(how)) };
+    let Some(line) = line else { return Err(no_line(how, largest)) };
     let (modulus, start) = correct(&mut rows, &line, how, &mut changes)?;
+    if let Some(window) = how.window {
+        fits(window, rows[rows.len() - 1].0 - rows[start].0)?;
+    }
     let mean_noise = (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();
     let mut curve = whole_curve((&rows, &variances, largest), start, modulus, how.window);
     changes.push(format!(
@@ -122,12 +125,33 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
     })
 }
 
-fn no_line(how: &Reduce) -> InputError {
-    let error = InputError::new("the record has no straight part at its start");
-    match how.elastic_range {
-        Some(_) => error.key("--elastic-range").help("name an interval with at least 8 rows below the yield stress"),
-        None => error.help("name the stresses of its elastic part, e.g. --elastic-range \"20 MPa..100 MPa\""),
+fn no_line(how: &Reduce, largest: f64) -> InputError {
+    let Some([low, high]) = how.elastic_range.map(|range| range.map(|stress| stress / 1e6)) else {
+        let error = InputError::new("the record has no straight part at its start");
+        return error.help("name the stresses of its elastic part, e.g. --elastic-range \"20 MPa..100 MPa\"");
+    };
+    let message = format!(
+        "no line can be fitted between {low} and {high} MPa; the largest stress of the record is {:.1} MPa",
+        largest / 1e6
+    );
+    let allowed = format!("an interval with at least {} rows, along which the stress rises", modulus::FEWEST);
+    InputError::new(message).key("--elastic-range").allowed(allowed).help("name an interval below the yield stress")
+}
+
+/// A window of the smoothing hides the shape of a curve that is not longer than some windows.
+const FEWEST_WINDOWS: f64 = 2.0;
+
+/// Refuses a window of the smoothing (`--smooth`) that is too long for a curve of this strain behind its elastic line.
+fn fits(window: f64, strain: f64) -> Result<(), InputError> {
+    let most = strain / FEWEST_WINDOWS;
+    if window <= most {
+        return Ok(());
     }
+    let message =
+        format!("a window of strain {window} is too wide for a record of strain {strain:.4} behind its elastic line");
+    let error = InputError::new(message).key("--smooth").allowed(format!("at most {most:.4}, half of the record"));
+    Err(error
+        .help("e.g. --smooth \"0.5 %\" or --smooth 0.005; leave it out to have the width chosen by curve and noise"))
 }
 
 /// A slope of the record that differs by more than this from a given modulus is not that of its elastic line.

@@ -14,7 +14,7 @@ pub struct Repeats {
     pub knots: Vec<(f64, f64)>,
     /// What happens past the last knot: all tests that reached it broke there, or nothing is known.
     pub beyond: Beyond,
-    /// One sentence for each test that does not reach as far as the mean.
+    /// One sentence where the tests are hardly of one material, and for each that does not reach as far as the mean.
     pub notes: Vec<String>,
     /// What `[band]` of the material file holds.
     pub scatter: Scatter,
@@ -40,9 +40,40 @@ pub fn combine(tests: &[(String, Reduction)], tolerance: f64) -> Result<Repeats,
     let reached: Vec<&TestCurve> = tests.iter().filter(|test| !test.stopped_while_rising()).collect();
     let all_broke = !reached.is_empty() && reached.iter().all(|test| test.curve.beyond() == Beyond::Rupture);
     let beyond = if all_broke { Beyond::Rupture } else { Beyond::Error };
-    let notes = stopped(&tests);
+    let notes = differing(&tests).into_iter().chain(stopped(&tests)).collect();
     let deviation = deviation(&tests, &knots);
     Ok(Repeats { modulus, knots, beyond, notes, scatter: Scatter { deviation, tests } })
+}
+
+/// Repeats of one test differ by less than this part of the mean.
+const ALIKE: f64 = 0.2;
+
+/// What makes the tests look like those of different materials.
+fn differing(tests: &[TestCurve]) -> Option<String> {
+    let shortest = tests.iter().map(|test| test.curve.last_strain()).fold(f64::INFINITY, f64::min);
+    let named = [
+        ("moduli", 1e9, "GPa", tests.iter().map(|test| test.modulus).collect::<Vec<_>>()),
+        ("largest stresses", 1e6, "MPa", tests.iter().map(|test| largest_stress(test, shortest)).collect()),
+    ];
+    let differ = named.into_iter().filter_map(|(what, unit, symbol, values)| {
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(0.0, f64::max);
+        (high - low > ALIKE * 0.5 * (high + low))
+            .then(|| format!("{what} from {:.1} to {:.1} {symbol}", low / unit, high / unit))
+    });
+    let differ: Vec<_> = differ.collect();
+    (!differ.is_empty()).then(|| {
+        format!(
+            "the tests differ by more than repeats of one test do ({}): check that they are of one material",
+            differ.join(", ")
+        )
+    })
+}
+
+/// The largest stress of a test up to a strain, Pa.
+fn largest_stress(test: &TestCurve, strain: f64) -> f64 {
+    let rows = test.curve.strain().iter().zip(test.curve.stress()).filter(|(at, _)| **at <= strain);
+    rows.map(|(_, stress)| *stress).fold(test.curve.stress_at(strain), f64::max)
 }
 
 /// What the tests that stopped while their stress rose take part in.

@@ -94,11 +94,19 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
         spans.push(line.span.clone());
     }
     let measure = measure(&document, &table, [&abscissa, &ordinate], reading)?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let name = name(path);
     let encoded = encoding.map_or_else(String::new, |encoding| format!("; the text is {encoding}"));
     let columns = describe(&table, &abscissa, &ordinate) + &encoded;
     let units_named = UnitsNamed { strain: abscissa.named || abscissa.kind == Kind::Extension, stress: ordinate.named };
     Ok(Record { name, rows, columns, units_named, measure, document, spans })
+}
+
+/// The name of a record: that of its file, without the folder.
+pub fn name(path: &Path) -> String {
+    if path == Path::new("-") {
+        return "standard input".into();
+    }
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 const ABSCISSA: [Kind; 2] = [Kind::Strain, Kind::Extension];
@@ -363,7 +371,12 @@ fn keep(document: &Document, rows: &mut [Line], places: [usize; 2]) -> Result<()
     let needed = places[0].max(places[1]);
     for row in rows.iter_mut() {
         if needed >= row.cells.len() {
-            let message = format!("this line has {} columns", row.cells.len());
+            let count = row.cells.len();
+            let message = if count == 1 {
+                "this line has only 1 column".into()
+            } else {
+                format!("this line has {count} columns")
+            };
             let help =
                 "remove the line, or complete it; if commas mark the decimals, separate the columns by semicolons";
             let error =

@@ -106,7 +106,7 @@ pub(super) fn split_number(text: &str) -> Result<(f64, &str), String> {
     let sign = text.chars().next().filter(|c| matches!(c, '+' | '-' | '\u{2212}'));
     let unsigned = &text[sign.map_or(0, char::len_utf8)..];
     let end = number_end(unsigned);
-    let not_a_number = || format!("`{text}` does not start with a number; write e.g. \"10 in\"");
+    let not_a_number = || format!("`{text}` does not start with a number");
     let magnitude: f64 = unsigned[..end].parse().map_err(|_| not_a_number())?;
     let rest = &unsigned[end..];
     if rest.starts_with(',') {
@@ -277,6 +277,10 @@ fn unknown(shown: &str, plain: &str) -> String {
 fn wrong_dimension(text: &str, given: Exponents, expected: Dimension) -> String {
     let what = Dimension::ALL.iter().find(|d| d.exponents() == given).map_or("something else", |d| d.describe());
     let (want, example) = (expected.describe(), expected.example());
-    let pounds = if text.contains("lb") { "; `lb` is mass, `lbf` is force" } else { "" };
-    format!("`{text}` is {what}, but {want} is expected, e.g. \"{example}\"{pounds}")
+    let meant = match expected {
+        _ if text.contains("lb") => "; `lb` is mass, `lbf` is force",
+        Dimension::Time if text.ends_with('m') => "; a minute is `min`",
+        _ => "",
+    };
+    format!("`{text}` is {what}, but {want} is expected, e.g. \"{example}\"{meant}")
 }

@@ -151,7 +151,12 @@ pub(super) fn nearest(symbol: &str) -> Option<String> {
     if let Some(other_case) = known().find(|k| k.eq_ignore_ascii_case(symbol)) {
         return Some(other_case);
     }
-    let limit = if symbol.chars().count() <= 5 { 1 } else { 2 };
+    let limit = match symbol.chars().count() {
+        // Every letter is like any other.
+        ..=1 => return None,
+        2..=5 => 1,
+        _ => 2,
+    };
     known()
         .map(|k| (strsim::osa_distance(&k.to_lowercase(), &symbol.to_lowercase()), k))
         .filter(|(distance, _)| *distance <= limit)
@@ -176,5 +181,6 @@ mod tests {
         assert_eq!(nearest("Psi").as_deref(), Some("psi"));
         assert_eq!(nearest("inchs").as_deref(), Some("inch"));
         assert_eq!(nearest("furlong"), None);
+        assert_eq!(nearest("x"), None);
     }
 }

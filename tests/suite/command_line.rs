@@ -258,3 +258,65 @@ fn colours_and_details_are_as_asked_for() {
     shows(&["new", "fresh"], &["wrote fresh.toml: "]);
     assert_eq!(err(&barwave(folder.path(), &["check", "a.toml"])), "");
 }
+
+/// Nothing that a command reads is replaced, not even with `--force`.
+#[test]
+fn inputs_are_no_outputs() {
+    let folder = scenes();
+    std::fs::write(folder.path().join("pull.csv"), "0,0\n1e-5,-3\n").unwrap();
+    let driven = SCENE.replace("value = -1", "csv = \"pull.csv\"");
+    std::fs::write(folder.path().join("driven.toml"), &driven).unwrap();
+    for arguments in [
+        ["run", "a.toml", "-o", "a.toml", "--force"],
+        ["run", "driven.toml", "-o", "./pull.csv", "--force"],
+        ["run", "driven.toml", "-o", "driven.toml", "--force"],
+    ] {
+        let output = barwave(folder.path(), &arguments);
+        let said = err(&output);
+        assert!(output.status.code() == Some(2) && said.contains("is a file that this command reads"), "{said}");
+    }
+    assert_eq!(std::fs::read_to_string(folder.path().join("a.toml")).unwrap(), SCENE);
+    assert_eq!(std::fs::read_to_string(folder.path().join("driven.toml")).unwrap(), driven);
+    let run = ["run", "a.toml", "-o", "a.h5", "--quiet"];
+    assert_eq!(barwave(folder.path(), &run).status.code(), Some(0));
+    assert_eq!(barwave(folder.path(), &run).status.code(), Some(0), "an earlier result is replaced");
+    let itself = barwave(folder.path(), &["run", "a.h5", "-o", "a.h5", "--quiet"]);
+    assert!(itself.status.code() == Some(2) && err(&itself).contains("this command reads"), "{}", err(&itself));
+}
+
+#[test]
+fn numbers_out_of_place_are_answered_with_right_ones() {
+    let folder = scenes();
+    let refused = |line: &str| {
+        let output = barwave(folder.path(), &line.split(' ').collect::<Vec<_>>());
+        assert_eq!(output.status.code(), Some(2), "{line}: {}", err(&output));
+        err(&output)
+    };
+    assert!(refused("run a.toml --threads 0").contains("allowed: 1 <= threads <= 1024"));
+    let said = refused("run a.toml --set solve.cells=abc");
+    assert!(said.contains("help: write a whole number, e.g. cells = 1000") && !said.contains("10 in"), "{said}");
+    assert!(refused("stability 01 -o x.txt").contains(".md"));
+    assert!(refused("compare a.h5").contains("at least 2 result files"));
+    assert!(!refused("cost a.toml --budget 2x").contains("did you mean"));
+    assert!(refused("cost a.toml --budget 2m").contains("a minute is `min`"));
+}
+
+/// The bar may yield later, and the run then simulates it.
+#[test]
+fn plasticity_is_on_in_plans_of_elastic_first_waves() {
+    let folder = scenes();
+    let output = barwave(folder.path(), &["plan", "a.toml", "--json"]);
+    let plan: Value = serde_json::from_str(&out(&output)).unwrap();
+    let plasticity =
+        plan["effects"].as_array().unwrap().iter().find(|effect| effect["effect"] == "plasticity").unwrap();
+    assert_eq!(plasticity["on"], true, "{plasticity}");
+}
+
+#[test]
+fn equal_results_have_no_place_of_the_largest_difference() {
+    let folder = scenes();
+    assert_eq!(barwave(folder.path(), &["run", "a.toml", "--quiet"]).status.code(), Some(0));
+    let table = out(&barwave(folder.path(), &["compare", "a.h5", "a.h5"]));
+    let stress = table.lines().find(|line| line.trim_start().starts_with("stress")).unwrap_or_default();
+    assert!(stress.trim_end().ends_with('-') && !stress.contains("e0"), "{table}");
+}

@@ -91,6 +91,19 @@ fn other_grids_and_times_are_interpolated_on_the_common_part() {
     assert!((place["x_m"].as_f64().expect("a place") - front).abs() < 0.04, "{place}");
 }
 
+/// Of a result with fewer frames the figure showed the nearest one, which is not what was compared.
+#[test]
+fn frames_at_other_times_are_noted() {
+    let folder = results(&[("fewer.h5", &["record.frames=5"]), ("same.h5", &[])]);
+    let notes = |other: &str| {
+        let all: Value =
+            serde_json::from_str(&done(folder.path(), &["compare", "a.h5", other, "--json"])).expect("JSON");
+        all[0]["notes"].to_string()
+    };
+    assert!(notes("fewer.h5").contains("the frames are at other times"), "{}", notes("fewer.h5"));
+    assert!(!notes("same.h5").contains("times"), "{}", notes("same.h5"));
+}
+
 #[test]
 fn wrong_comparisons_are_refused() {
     let folder = results(&[]);

@@ -151,6 +151,8 @@ fn an_interrupted_study_shows_what_there_is_and_exits_with_130() {
     assert!(killed.success());
     let output = child.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), Some(130));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("measured"), "it says what is kept: {said}");
     // Either nothing yet, or a whole report that says that it was stopped.
     if !output.stdout.is_empty() {
         let found: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");

@@ -145,7 +145,8 @@ fn a_case_that_fails_is_a_row_with_its_reason() {
     let folder = scenes(
         "[sweep]\nscene = \"scene.toml\"\ncombine = \"zip\"\n[axes]\n\"bar.length\" = [\"1 m\", \"-1 m\"]\n\"left.value\" = [-10, -20]\n",
     );
-    done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
+    let summary = done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
+    assert!(summary.starts_with("2 cases: 1 done, 1 refused\n  reason  of 1 case: `bar.length`"), "{summary}");
     let table = records(&text(folder.path(), "out/table.csv"));
     assert_eq!((&table[1][3], &table[2][3]), ("done", "refused"));
     assert!(table[2][4].contains("bar.length") && table[2][4].contains("-1 m"), "{:?}", table[2]);
@@ -195,6 +196,10 @@ fn wrong_sweep_files_have_one_error_with_its_place() {
             "[sweep]\nscene = \"scene.toml\"\n[axes]\n\"left.value\" = { from = 1, to = 2 }\n",
             "`axes.left.value`: give `count`",
         ),
+        (
+            "[sweep]\nscene = \"scene.toml\"\n[axes]\n\"left.value\" = [\"-1 m/s\", \"5 kN\"]\n",
+            "\"-1 m/s\" and \"5 kN\" are of different dimensions",
+        ),
         ("[sweep]\nscene = \"scene.toml\"\n[axes]\nleft.value = [1, 2]\n", "quote the key of an axis: \"left.value\""),
         (
             "[sweep]\nscene = \"scene.toml\"\ncombine = \"zip\"\n[axes]\na = [1, 2]\nb = [1]\n",
@@ -230,6 +235,18 @@ fn the_table_has_decimal_values_and_no_column_of_an_object() {
     assert_eq!(names, ["elastic_check.expected_Pa", "elastic_check.relative", "elastic_check.stress_Pa"]);
 }
 
+/// As in the template and in the guide.
+#[test]
+fn a_range_of_whole_numbers_is_rounded() {
+    let folder = scenes(
+        "[sweep]\nscene = \"scene.toml\"\n[axes]\n\"solve.method\" = [\"fd\"]\n\"solve.cells\" = { from = 10, to = 100, count = 4, scale = \"log\" }\n",
+    );
+    let summary = done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
+    assert!(summary.starts_with("4 cases: 4 done\n"), "{summary}");
+    let table = records(&text(folder.path(), "out/table.csv"));
+    assert_eq!(table[1..].iter().map(|row| &row[2]).collect::<Vec<_>>(), ["10.0", "22.0", "46.0", "100.0"]);
+}
+
 #[test]
 fn wrong_keys_and_metrics_are_named() {
     let sweep = |metrics: &str, key: &str| {
@@ -239,9 +256,14 @@ fn wrong_keys_and_metrics_are_named() {
     let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out"], 2);
     assert!(message.contains("every case is refused") && message.contains("did you mean `length`?"), "{message}");
     let folder = scenes(&sweep("\"left.peak_forc_N\", \"left.peak_force_N\"", "bar.length"));
+    let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out"], 2);
+    assert!(message.contains("unknown metric `left.peak_forc_N`"), "{message}");
+    assert!(message.contains("did you mean `left.peak_force_N`?") && !folder.path().join("out").exists(), "{message}");
+    // A name that other bars have.
+    let folder = scenes(&sweep("\"left.restitution\", \"left.peak_force_N\"", "bar.length"));
     let output = barwave(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
     let message = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && message.contains("no case has the metric `left.peak_forc_N`"), "{message}");
+    assert!(output.status.success() && message.contains("no case has the metric `left.restitution`"), "{message}");
     assert_eq!(message.matches("warning").count(), 1, "{message}");
     let folder = scenes(&sweep("", "bar.length").replace("[0.5, 0.6]", "{ log-uniform = [1, 2], samples = 3 }"));
     let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out"], 2);
@@ -253,18 +275,41 @@ fn wrong_keys_and_metrics_are_named() {
     assert!(table.contains("refused,") && table.contains("`bar.length`") && !table.contains("--set"), "{table}");
 }
 
+/// Impacts without waves in a bar have figures of their own; a sweep without numbers to draw sums up all the same.
+#[test]
+fn other_scenes_are_drawn_too() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/runs/plate.toml");
+    let folder = scenes(&format!("[sweep]\nscene = \"{scene}\"\n[axes]\n\"plate.thickness\" = [\"2 mm\", \"5 mm\"]\n"));
+    let summary = done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--plot", "a.svg"]);
+    assert!(summary.starts_with("2 cases: 2 done\n") && text(folder.path(), "a.svg").contains("peak"), "{summary}");
+    let folder = scenes("[sweep]\nscene = \"scene.toml\"\n[axes]\n\"bar.material\" = [\"mild-steel\"]\n");
+    let output = barwave(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--plot", "a.svg"]);
+    let summary = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.code() == Some(2) && summary.starts_with("1 case: 1 done\n"), "{summary}");
+    assert!(summary.contains("table.csv") && !summary.contains("a.svg"), "{summary}");
+}
+
 #[test]
 fn the_figure_has_a_line_for_every_material() {
     let folder = scenes(SPEEDS);
-    done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--quiet", "--plot", "a.svg"]);
+    let summary = done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--plot", "a.svg"]);
+    assert!(summary.contains("\n  figure  a.svg\n") && summary.contains("cases/s"), "{summary}");
     let figure = text(folder.path(), "a.svg");
-    for word in ["left.value (m/s)", "left.peak_force_N", "copper-annealed", "mild-steel"] {
+    for word in
+        ["Sweep sweep", "left.value (m/s)", "left end: peak force", "peak force (kN)", "bar.material = mild-steel"]
+    {
         assert!(figure.contains(word), "{word}");
     }
     // The right end is free.
-    assert!(!figure.contains("right.peak_force_N"));
+    assert!(!figure.contains("right end: peak force") && !figure.contains("left.peak_force_N"));
+    // A mark for every case, and axes that end at zero where no value lies beyond.
+    assert!(figure.matches("<circle").count() >= 24, "{figure}");
+    let attribute = figure.split("data-x=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("an axis");
+    let ends: Vec<f64> = attribute.split(' ').map(|end| end.parse().expect("a number")).collect();
+    assert!(ends[0] < -115.0 && ends[1] <= 0.0, "{ends:?}");
     // A sweep that has ended is drawn without running a case.
-    done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--resume", "--quiet", "--plot", "b.svg"]);
+    let summary = done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--resume", "--plot", "b.svg"]);
+    assert!(!summary.contains("cases/s"), "{summary}");
     assert_eq!(text(folder.path(), "b.svg"), figure);
     let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "other", "--plot", "a.eps"], 2);
     assert!(message.contains("--plot") && !folder.path().join("other").exists(), "{message}");

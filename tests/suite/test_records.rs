@@ -609,11 +609,11 @@ fn wrong_records_are_refused_with_one_clear_error() {
         let _ = writeln!(tiny, "{e:.8},{:.8}", s / 9.8e6);
     }
     // Text, options, and what the message holds; a line number stands before a colon.
-    let cases: [(&str, &[&str], &str); 22] = [
+    let cases: [(&str, &[&str], &str); 26] = [
         ("time,load\n0,1\n1,2\n", &[], "no column of strain or extension"),
         (&line(7, "0.1,abc"), &[], "8: `abc` is not a number"),
         (&line(7, "0.1,nan"), &[], "8: `nan` is not a number"),
-        (&line(7, "0.1"), &[], "8: this line has 1 column"),
+        (&line(7, "0.1"), &[], "8: this line has only 1 column"),
         (&line(7, "0.1,"), &[], "8: the cell is empty"),
         ("strain,stress_MPa\n", &[], "fewer than two lines"),
         ("strain,strain,stress_MPa\n1,1,2\n2,2,3\n", &[], "2 columns of strain"),
@@ -628,6 +628,10 @@ fn wrong_records_are_refused_with_one_clear_error() {
         (&good, &["--elastic-range", "0..320"], "`320` has no unit and would be 320 Pa"),
         (&good, &["--modulus", "100 GPa"], "100.0000 GPa is less than the slope of the record, 187."),
         (&good, &["--modulus", "100 GPa"], "at least 174."),
+        (&good, &["--modulus", "29.5"], "`29.5` has no unit and would be 29.5 Pa"),
+        (&good, &["--smooth", "50"], "a window of strain 50 is too wide"),
+        (&good, &["--elastic-range", "90 GPa..95 GPa"], "no line can be fitted between 90000 and 95000 MPa"),
+        (&good, &["-o", "a.csv"], "`a.csv` is not a name of a material file"),
         (&tiny, &[], "the unit of stress or force is not given"),
         (&tiny.replace("stress", "stress (Pa)"), &[], "2: no curve can be made of a.csv"),
         (&good.replace("stress_MPa", "\"Stress, stones/acre\""), &[], "`stones/acre` is not a unit of stress"),

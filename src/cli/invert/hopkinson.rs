@@ -96,7 +96,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
 fn setup(args: &Args) -> Result<Setup> {
     let circle = |diameter: f64| 0.25 * std::f64::consts::PI * diameter * diameter;
     let [first, second] = args.distances.as_slice() else {
-        return Err(InputError::new(std::format!("{} gauge distances are given", args.distances.len()))
+        let message = match args.distances.len() {
+            0 => "--distances is missing".to_owned(),
+            1 => "only 1 gauge distance is given".to_owned(),
+            count => std::format!("{count} gauge distances are given"),
+        };
+        return Err(InputError::new(message)
             .key("--distances")
             .allowed("2 distances from the specimen")
             .help("such as --distances 1m,1m: incident bar, transmission bar")

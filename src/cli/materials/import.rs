@@ -194,6 +194,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         file => file.with_extension("toml"),
     });
     output::check(args.json, [Some(path.as_path()), args.plot.as_deref()])?;
+    is_material_file(&path)?;
     refuse_existing(&path, args.force)?;
     if let Some(plot) = &args.plot {
         Format::of(plot).map_err(|e| with_key(e, "--plot"))?;
@@ -236,6 +237,16 @@ fn of_record(error: Error, imported: &[Imported]) -> Error {
         }
         _ => InputError { key: format!("--{}", e.key), place: None, ..e }.into(),
     }
+}
+
+/// Other commands know a material file by its ending.
+fn is_material_file(path: &Path) -> Result<()> {
+    if destination::is_stdout(path) || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        return Ok(());
+    }
+    let error = InputError::new(format!("`{}` is not a name of a material file", path.display())).key("-o");
+    let help = format!("e.g. -o \"{}\"", path.with_extension("toml").display());
+    Err(error.allowed("a file name ending in .toml, or `-`").help(help).into())
 }
 
 fn refuse_existing(path: &Path, force: bool) -> Result<()> {
@@ -291,7 +302,7 @@ fn how(args: &Args) -> Result<Reduce> {
         let error = InputError::new(format!("{} is out of range", args.tolerance)).key("--tolerance");
         return Err(error.allowed("1e-5 <= tolerance <= 0.05").help("e.g. --tolerance 1e-3").into());
     }
-    let modulus = args.modulus.as_ref().map(|m| si(m, Dimension::Stress, "--modulus")).transpose()?;
+    let modulus = args.modulus.as_ref().map(modulus_of_option).transpose()?;
     let elastic_range = args.elastic_range.as_deref().map(elastic_range).transpose()?;
     let window = args.smooth.as_ref().map(|width| si(width, Dimension::None, "--smooth")).transpose()?;
     let toe = args.toe == Switch::On;
@@ -310,6 +321,24 @@ fn how(args: &Args) -> Result<Reduce> {
 /// Stresses below this without a unit are MPa read as Pa.
 const LEAST_PLAIN_STRESS: f64 = 1e6;
 
+/// Refuses a stress without a unit that was hardly meant in Pa.
+fn meant_in_pascal(quantity: &Quantity, value: f64) -> std::result::Result<(), InputError> {
+    if matches!(quantity, Quantity::Number(_)) && value != 0.0 && value.abs() < LEAST_PLAIN_STRESS {
+        return Err(InputError::new(format!("`{value}` has no unit and would be {value} Pa")));
+    }
+    Ok(())
+}
+
+/// The modulus of `--modulus`, Pa.
+fn modulus_of_option(quantity: &Quantity) -> Result<f64> {
+    let value = si(quantity, Dimension::Stress, "--modulus")?;
+    let example = |error: InputError| {
+        error.key("--modulus").allowed("a stress with its unit").help("e.g. --modulus \"207 GPa\" or \"30 Msi\"")
+    };
+    meant_in_pascal(quantity, value).map_err(example)?;
+    Ok(value)
+}
+
 /// `20 MPa..100 MPa`.
 fn elastic_range(text: &str) -> Result<[f64; 2]> {
     let key = "--elastic-range";
@@ -320,12 +349,9 @@ fn elastic_range(text: &str) -> Result<[f64; 2]> {
     let stress = |part: &str| {
         let quantity: Quantity = part.trim().parse().unwrap_or(Quantity::Text(part.into()));
         let value = quantity.si(Dimension::Stress).map_err(wrong)?;
-        if matches!(quantity, Quantity::Number(_)) && value != 0.0 && value.abs() < LEAST_PLAIN_STRESS {
-            let message = format!("`{}` has no unit and would be {value} Pa", part.trim());
-            let error = InputError::new(message).key(key).allowed("two stresses with units").help(help);
-            return Err(Error::from(error));
-        }
-        Ok(value)
+        meant_in_pascal(&quantity, value)
+            .map_err(|error| error.key(key).allowed("two stresses with units").help(help))?;
+        Ok::<f64, Error>(value)
     };
     let (low, high) = (stress(low)?, stress(high)?);
     if low >= 0.0 && high > low { Ok([low, high]) } else { Err(wrong(format!("`{text}` is an empty interval"))) }
@@ -449,9 +475,12 @@ fn comments(args: &Args, imported: &[Imported], changes: &[String]) -> Vec<Strin
 }
 
 fn text(args: &Args, curve: &Curve, comments: &[String]) -> String {
-    let stem = args.records[0].file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = match &args.records[0] {
+        stdin if destination::is_stdout(stdin) => "material".into(),
+        file => file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+    };
     let sense: Sense = args.sense.into();
-    let names: Vec<_> = args.records.iter().map(|r| r.file_name().unwrap_or_default().to_string_lossy()).collect();
+    let names: Vec<_> = args.records.iter().map(|record| test_record::name(record)).collect();
     let measured = format!("slow {} test, {}", sense.name(), names.join(", "));
     MaterialText {
         name: args.name.as_deref().unwrap_or(&stem),
@@ -579,6 +608,11 @@ fn report(args: &Args, path: &Path, imported: &[Imported], changes: &[String], m
     text
 }
 
+/// A value in tenths, without the sign of a zero.
+fn tenths(value: f64) -> f64 {
+    (10.0 * value).round() / 10.0 + 0.0
+}
+
 /// What was found in a record and changed.
 fn reduced(r: &Reduction) -> String {
     const MPA: f64 = 1e6;
@@ -587,8 +621,8 @@ fn reduced(r: &Reduction) -> String {
         "  elastic line  {:.3} GPa +- {:.3} GPa, least squares between {:.1} and {:.1} MPa, {} rows (ASTM E111)\n",
         line.slope / 1e9,
         line.error / 1e9,
-        line.between[0] / MPA,
-        line.between[1] / MPA,
+        tenths(line.between[0] / MPA),
+        tenths(line.between[1] / MPA),
         line.rows
     );
     let proof = r.proof_stress.map_or("none: the curve ends before".into(), |s| format!("{:.3} MPa", s / MPA));

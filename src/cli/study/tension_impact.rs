@@ -10,7 +10,7 @@ use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::report::{plot, tension as picture};
 use crate::study::sweep::{Shard, run as run_cases};
-use crate::study::tension::{FarEnd, Results, Specimen, Test, results, write_csv, write_hdf5};
+use crate::study::tension::{FarEnd, Results, SPECIMEN, Specimen, Test, results, write_csv, write_hdf5};
 
 /// Options of `barwave study tension-impact`.
 #[derive(Debug, clap::Args)]
@@ -100,7 +100,25 @@ fn test(args: &Args) -> Result<Test> {
         far_end: args.far_end,
         cells: args.cells,
     };
-    Test::new(specimen.scene(), Path::new("specimen"), velocities.as_ref())
+    Test::new(specimen.scene(), Path::new(SPECIMEN), velocities.as_ref()).map_err(of_option)
+}
+
+/// An error of the specimen's scene, which the user has not written, is one of an option.
+fn of_option(error: Error) -> Error {
+    const OPTIONS: [(&str, &str); 4] = [
+        ("bar.length", "--length"),
+        ("bar.diameter", "--diameter"),
+        ("solve.cells", "--cells"),
+        ("bar.material", "MATERIAL"),
+    ];
+    match error {
+        Error::Input(e) if e.place.as_ref().is_some_and(|place| place.file == SPECIMEN) => {
+            let option =
+                OPTIONS.iter().find(|(key, _)| *key == e.key).map_or(e.key.clone(), |(_, option)| (*option).into());
+            InputError { key: option, place: None, ..e }.into()
+        }
+        other => other,
+    }
 }
 
 /// As on the axis of a sweep.
@@ -131,10 +149,10 @@ fn text(results: &Results, folder: &Path, figure: &Path) -> String {
             output::fixed(point.energy, 2),
             output::fixed(point.fracture_position_m.map(|x| 1e3 * x), 1),
             output::fixed(point.fracture_time_s.map(|t| 1e6 * t), 1),
-            if point.at_struck_end {
-                "rupture at struck end".to_owned()
-            } else {
-                format!("{} {}", point.status, point.reason).trim().to_owned()
+            match (point.at_struck_end, point.at_once) {
+                (true, true) => "rupture at struck end at once".to_owned(),
+                (true, false) => "rupture at struck end, after reflections".to_owned(),
+                _ => format!("{} {}", point.status, point.reason).trim().to_owned(),
             },
         ]
     });
@@ -151,8 +169,7 @@ fn text(results: &Results, folder: &Path, figure: &Path) -> String {
         |[low, high]| format!("between {low:.2} m/s and {high:.2} m/s"),
     );
     format!(
-        "Tension impact of {}, gauge length {} mm\n{table}\n  largest elongation    {largest}\n  at the struck end     \
-         {critical}\n  \
+        "Tension impact of {}, gauge length {} mm\n{table}\n  largest elongation    {largest}\n  at struck end at once {critical}\n  \
          critical velocity     {:.2} m/s, from the static curve\n  results               {}\n  figure                {}\n",
         results.material,
         1e3 * results.length_m,

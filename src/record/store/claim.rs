@@ -22,12 +22,10 @@ pub(super) const GONE: &str = "the result file was removed, moved or replaced du
 /// Has a file built beside its final place, then moves it there. Missing folders are made.
 pub(super) fn in_place(path: &Path, build: impl Fn(&hdf5::File) -> hdf5::Result<()>) -> Result<Claim> {
     let path = &destination::resolve(path)?;
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
-    }
+    destination::make_folder(path)?;
     let temporary = temporary_name(path)?;
     // The system says more plainly than the HDF5 library why a file cannot be made.
-    File::create(&temporary).map_err(|e| Error::file(path, e))?;
+    File::create(&temporary).map_err(|e| destination::cannot_write(path, &e))?;
     let room = Claim::new(&temporary, path).map_err(|e| Error::file(path, e)).and_then(|mut claim| claim.reserve(0, 0));
     let built = room
         .and_then(|()| {

@@ -241,16 +241,14 @@ fn why(scene: &Scene, tolerance: f64, candidates: &[Candidate], winner: usize) -
             (Some(why), _) => format!("{} was rejected: {why}", name(r)),
             _ if r.too_expensive.is_some() => format!("{} needs more work than that", name(r)),
             (None, Some((_, time))) => format!("{} would need about {time:.1e} s", name(r)),
-            (None, None) => format!("{} was not needed", name(r)),
+            (None, None) => format!("{} was not tried", name(r)),
         })
         .collect();
-    let time = candidates[winner].predicted(scene, tolerance).map_or(0.0, |f| f.1);
-    let best = format!(
-        "{} is expected to reach {tolerance:e} in the shortest time, nominally {time:.1e} s",
-        name(&candidates[winner])
-    );
+    let time = candidates[winner].predicted(scene, tolerance).map(|f| f.1).filter(|time| *time > 0.0);
+    let time = time.map_or_else(String::new, |time| format!(", nominally {time:.1e} s"));
+    let best = format!("{} is expected to reach {tolerance:e} in the shortest time{time}", name(&candidates[winner]));
     if others.is_empty() {
-        return format!("{} is the only method that can simulate the scene", name(&candidates[winner]));
+        return format!("{} is the only method that `tolerance` can choose for this scene", name(&candidates[winner]));
     }
     format!("{best}; {}", others.join("; "))
 }

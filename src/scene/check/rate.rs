@@ -6,7 +6,7 @@ use super::Checker;
 use crate::bar::Bar;
 use crate::error::Result;
 use crate::law::rate::Overstress;
-use crate::material::{RateModel, TEMPERATURE};
+use crate::material::{RateModel, TEMPERATURE, rate_tables};
 use crate::typed::Placed;
 
 impl Checker<'_> {
@@ -37,7 +37,8 @@ impl Checker<'_> {
         let error =
             self.error(raw.span(), "effects.rate", format!("no material of the bar has rate constants, e.g. `{name}`"));
         let help = format!(
-            "give the material [rate.johnson-cook], [rate.zerilli-armstrong], [rate.cowper-symonds] or [rate.malvern], or set a law in the scene, e.g. {}",
+            "give the material {}, or set a law in the scene, e.g. {}",
+            rate_tables(),
             RateModel::JohnsonCook.example()
         );
         Err(error.help(help).into())

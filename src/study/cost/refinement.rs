@@ -52,6 +52,11 @@ pub(super) enum Halt {
     Failed(String),
 }
 
+/// Two digits, of short times too.
+fn seconds(time: f64) -> String {
+    if time < 0.1 { format!("{time:.1e} s") } else { format!("{time:.2} s") }
+}
+
 /// What runs the points: the real one, or a fake one with a clock of its own.
 pub(super) trait Runner {
     /// Runs one point of a family.
@@ -112,8 +117,12 @@ pub(super) fn refine(
         let mut leave = |why: String, expected| left.push(Left { family, resolution, expected, why });
         let remaining = until - runner.now();
         if time > remaining {
-            let why =
-                format!("it would need about {time:.2} s, and {:.2} s of the budget are left", remaining.max(0.0));
+            let why = format!(
+                "it would need about {}, and {} of the time for the points {} left",
+                seconds(time),
+                if remaining > 0.0 { seconds(remaining) } else { "nothing".to_owned() },
+                if remaining > 0.0 { "are" } else { "is" }
+            );
             leave(why, Some(time));
             refinement.done = true;
             continue;
@@ -213,7 +222,7 @@ mod tests {
         assert_eq!(left.len(), 1);
         assert_eq!(left[0].resolution, Resolution::Cells(32_000));
         assert!((left[0].expected.expect("it was predicted") - 20.48).abs() < 1e-9);
-        assert!(left[0].why.contains("3.18 s of the budget"), "{}", left[0].why);
+        assert!(left[0].why.contains("3.18 s of the time for the points are left"), "{}", left[0].why);
     }
 
     #[test]

@@ -30,8 +30,10 @@ pub enum Method {
     /// Finite differences, staggered in space and time.
     Leapfrog,
     /// Finite volumes with limited slopes and the exact Riemann problem.
+    #[serde(rename = "muscl")]
     Godunov,
     /// Front tracking; with a rate law the characteristic net.
+    #[serde(rename = "moc")]
     Characteristics,
 }
 
@@ -39,12 +41,12 @@ impl Method {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Leapfrog, Self::Godunov, Self::Characteristics];
 
-    /// As headings show it.
+    /// As in `[solve]` and in headings.
     pub fn name(self) -> &'static str {
         match self {
             Self::Leapfrog => "leapfrog",
-            Self::Godunov => "Godunov",
-            Self::Characteristics => "characteristics",
+            Self::Godunov => "muscl",
+            Self::Characteristics => "moc",
         }
     }
 

@@ -14,7 +14,7 @@ use rand_xorshift::XorShiftRng;
 use serde::Serialize;
 
 use super::bands::deviation;
-use super::curve::{Integrated, WavePoint, bounds, integrate, points};
+use super::curve::{Integrated, WavePoint, bounds, integrate, points, unknown_start};
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
 use super::records::{Record, Recording};
@@ -160,7 +160,10 @@ fn enough_gauges(distances: impl Iterator<Item = f64>, options: &Options) -> Res
     if distances.len() >= needed && distances.first().is_none_or(|&x| x > 0.0 || !options.centred) {
         return Ok(());
     }
-    let message = format!("the gauges are at {} different positions", distances.len());
+    let message = match distances.len() {
+        1 => "all gauges are at one position".to_owned(),
+        count => format!("the gauges are at {count} different positions"),
+    };
     let help = "add a gauge; with a sudden loading that starts at --start, --centred needs one, away from the end";
     Err(InputError::new(message).allowed(format!("at least {needed}, at positive distances")).help(help).into())
 }
@@ -362,7 +365,8 @@ fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warni
             100.0 * curvature
         )
     }));
-    let warnings = warnings.collect();
+    let unknown = unknown_start(&points, "give levels at and below the elastic limit");
+    let warnings = warnings.chain(unknown).collect();
     Ok(Inverted { points, distances: arrivals.distance.clone(), curvature, misfit, warnings })
 }
 

@@ -184,6 +184,22 @@ pub(super) fn points(
     strain.iter().enumerate().map(point).collect()
 }
 
+/// Part of the largest stress by which the first point may be uncertain before that is a warning.
+const KNOWN_START: f64 = 0.25;
+
+/// Of points by strain: what is below the first one is not known, and shifts all stresses.
+pub(super) fn unknown_start(points: &[WavePoint], help: &str) -> Option<String> {
+    let WavePoint { strain, stress_pa: Interval { value, low, high }, .. } = *points.first()?;
+    (high - low > KNOWN_START * points.last()?.stress_pa.value).then(|| {
+        format!(
+            "the curve below the lowest strain level, {strain:.6}, is not known: all stresses may be too large by {:.0} MPa, or too small by \
+             {:.0} MPa, together; {help}",
+            (value - low) / 1e6,
+            (high - value) / 1e6
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

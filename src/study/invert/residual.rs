@@ -17,7 +17,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xorshift::XorShiftRng;
 use serde::Serialize;
 
-use super::curve::{Bounds, Integrated, Interval, WavePoint, bounds, integrate, points};
+use super::curve::{Bounds, Integrated, Interval, WavePoint, bounds, integrate, points, unknown_start};
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
 use super::setup::{self, Segment};
@@ -114,6 +114,9 @@ pub struct Inverted {
     /// What limits the result.
     pub warnings: Vec<String>,
 }
+
+/// Strain at the far end of a profile, over its noise, from which on something has come there.
+const FAR_NOISE: f64 = 4.0;
 
 const LEVELS: usize = 300;
 const POINTS: usize = 40;
@@ -265,6 +268,42 @@ struct Fronts {
     level: Vec<f64>,
     /// From the struck end, m; NaN where the level is not found.
     place: Vec<f64>,
+    /// Strain at the far end of the profile, above which levels are found, and its place, m.
+    far: [f64; 2],
+}
+
+/// The state of a moving wire that arrived before the lowest level of its profile, as `[strain, stress, velocity]`.
+struct Start {
+    state: [f64; 3],
+    /// What it adds to the bounds of stresses and velocities, low and high.
+    stress: [f64; 2],
+    velocity: [f64; 2],
+}
+
+impl Start {
+    /// Of the yield stress, up to which strains travel with the elastic wave; or else of the strain at the far end of the profile, which has come
+    /// at least so far, at most with the elastic wave, and as fast as makes up for the impact `velocity` of which the other strains explain a part.
+    fn of(fronts: &Fronts, options: &Options, velocity: f64, explained: f64) -> Self {
+        let c0 = (options.modulus / options.density).sqrt();
+        if let Some(stress) = options.yield_stress {
+            let strain = stress / options.modulus;
+            return Self { state: [strain, stress, c0 * strain], stress: [0.0; 2], velocity: [0.0; 2] };
+        }
+        let [strain, place] = fronts.far;
+        let least = (place / options.time).min(c0);
+        let speed = if strain > 0.0 { ((velocity - explained) / strain).clamp(least, c0) } else { least };
+        let [stress, low, high] = [speed, least, c0].map(|c| options.density * c * c * strain);
+        Self {
+            state: [strain, stress, speed * strain],
+            stress: [low - stress, high - stress],
+            velocity: [(least - speed) * strain, (c0 - speed) * strain],
+        }
+    }
+
+    /// Strain above which the levels of a profile tell its speeds.
+    fn strain(fronts: &Fronts, options: &Options) -> f64 {
+        options.yield_stress.map_or(fronts.far[0], |stress| stress / options.modulus)
+    }
 }
 
 /// Inverts a profile.
@@ -284,12 +323,16 @@ pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
         return Err(InputError::new(message).help("check the columns and their units").into());
     }
     let level: Vec<f64> = (1..=LEVELS).map(|i| plateau * (i as f64 / LEVELS as f64).powi(2)).collect();
+    // Within the noise nothing has come to the far end yet.
+    let far = if fit[0] > FAR_NOISE * noise.rms() { fit[0] } else { 0.0 };
     let read = |fit: &[f64], shift: f64| Fronts {
         level: level.clone(),
+        far: [far, place[0] + shift],
         place: level.iter().map(|&e| first_reach(&place, fit, e).map_or(f64::NAN, |x| x + shift)).collect(),
     };
     let best = read(&fit, 0.0);
-    let kept: Vec<usize> = (0..LEVELS).filter(|&i| best.place[i] > 0.0).collect();
+    let start = if options.state == State::Loaded { Start::strain(&best, options) } else { 0.0 };
+    let kept: Vec<usize> = (0..LEVELS).filter(|&i| best.place[i] > 0.0 && level[i] > start).collect();
     if kept.len() < 2 {
         let message = "the strain does not decrease along the profile";
         return Err(InputError::new(message).help("give the profile up to where the wire has not yielded").into());
@@ -329,6 +372,8 @@ struct Evaluated {
     curve: Integrated,
     yield_stress: f64,
     velocity: f64,
+    /// Of a wire whose end still moves.
+    start: Option<Start>,
 }
 
 fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velocity: f64) -> Result<Evaluated> {
@@ -338,9 +383,13 @@ fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velo
     if options.state == State::Loaded {
         let speed: Vec<f64> = kept.iter().map(|i| (place(i) / options.time).min(c0)).collect();
         let slowest = speed[speed.len() - 1];
-        let curve = integrate(options.density, &level, speed, [0.0; 3], Some(c0));
+        let from = |start: [f64; 3]| integrate(options.density, &level, speed.clone(), start, Some(c0));
+        let of_levels = from([Start::strain(fronts, options), 0.0, 0.0]).velocity[level.len() - 1] + slowest * above;
+        let start = Start::of(fronts, options, velocity, of_levels);
+        let curve = from(start.state);
         let velocity = curve.velocity[level.len() - 1] + slowest * above;
-        return Ok(Evaluated { strain: level, curve, yield_stress: f64::NAN, velocity });
+        let yield_stress = options.yield_stress.unwrap_or(f64::NAN);
+        return Ok(Evaluated { strain: level, curve, yield_stress, velocity, start: Some(start) });
     }
     let speed: Vec<f64> = kept.iter().map(|i| place(i) / (options.time + place(i) / c0)).collect();
     let slowest = speed[speed.len() - 1];
@@ -363,7 +412,7 @@ fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velo
     let start = [yield_strain, options.modulus * yield_strain, c0 * yield_strain];
     let curve = integrate(options.density, &strain, speed, start, Some(c0));
     let velocity = curve.velocity[level.len() - 1] + slowest * above;
-    Ok(Evaluated { strain, curve, yield_stress: options.modulus * yield_strain, velocity })
+    Ok(Evaluated { strain, curve, yield_stress: options.modulus * yield_strain, velocity, start: None })
 }
 
 /// Strains past yield from plastic ones: d eps = d `eps_p`/(1 - (c/c0)^2).
@@ -389,13 +438,16 @@ fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &F
     let plateau = found.velocity - found.curve.velocity[top];
     let mut inverted = Inverted {
         points: kept,
-        yield_stress: (options.state == State::Released).then(|| interval(|e| e.yield_stress).within(yields)),
+        yield_stress: (!found.yield_stress.is_nan()).then(|| interval(|e| e.yield_stress).within(yields)),
         yield_from_velocity: from_velocity,
         velocity_integral_m_s: interval(|e| e.velocity).within(between.velocity[top].map(|v| v + plateau)),
         impact_velocity_m_s: options.velocity,
         warnings: Vec::new(),
     };
     inverted.warnings.extend(velocity_warning(&inverted));
+    inverted
+        .warnings
+        .extend(unknown_start(&all, "give --yield-stress, or a profile that goes on to where nothing has come yet"));
     inverted.warnings.extend(reloading_warning(options, found));
     inverted.warnings.extend(reflection_warning(options, fronts));
     inverted
@@ -405,14 +457,23 @@ fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &F
 /// stress, the largest strain has that velocity, and what the integral may miss is missing in the yield stress.
 fn between_levels(found: &Evaluated, options: &Options, from_velocity: bool) -> (Bounds, [f64; 2]) {
     let c0 = (options.modulus / options.density).sqrt();
-    let start = match options.state {
-        State::Loaded => [0.0; 3],
-        State::Released => {
+    let start = found.start.as_ref().map_or_else(
+        || {
             let strain = found.yield_stress / options.modulus;
             [strain, found.yield_stress, c0 * strain]
-        }
-    };
+        },
+        |start| start.state,
+    );
     let mut all = bounds(options.density, &found.strain, &found.curve.speed, start, Some(c0));
+    if let Some(start) = &found.start {
+        let widen = |bounds: &mut [[f64; 2]], by: [f64; 2]| {
+            for bound in bounds {
+                *bound = [bound[0] + by[0], bound[1] + by[1]];
+            }
+        };
+        widen(&mut all.stress, start.stress);
+        widen(&mut all.velocity, start.velocity);
+    }
     if !from_velocity {
         return (all, [found.yield_stress; 2]);
     }

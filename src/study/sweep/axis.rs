@@ -3,13 +3,18 @@
 //! Values are written into the scene as a user would write them, in the unit of the sweep file: steps of "0.1 mm" are decimal numbers of
 //! millimetres, not sums of rounded metres.
 
+use std::collections::BTreeSet;
+use std::sync::LazyLock;
+
 use rand::{RngExt, SeedableRng};
 use rand_xorshift::XorShiftRng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
+use crate::scene::{KINDS, RawScene};
 use crate::study::random::standard_normal;
+use crate::typed;
 use crate::units::{Dimension, Quantity};
 
 /// Most values of an axis.
@@ -108,10 +113,12 @@ impl Axis {
     pub(crate) fn read(key: &str, value: &Value) -> Read<Self> {
         let (levels, dimension) = match value {
             Value::Array(items) if items.is_empty() => return Err("the list is empty".into()),
-            Value::Array(items) => listed(items),
+            Value::Array(items) => listed(items)?,
             Value::Table(_) => {
                 let range: RawRange = value.clone().try_into().map_err(|e: toml::de::Error| e.message().to_owned())?;
-                range.levels()?
+                let (levels, dimension) = range.levels()?;
+                let computed = range.choice.is_none() && dimension == Dimension::None;
+                (if computed && is_whole(key) { whole(levels, range.samples.is_some()) } else { levels }, dimension)
             }
             _ => return Err("an axis is a list of values, or a table such as { from = 1, to = 2, count = 11 }".into()),
         };
@@ -119,8 +126,47 @@ impl Axis {
     }
 }
 
+/// The last parts of the keys of all scenes that take whole numbers, as they are declared there.
+static WHOLE: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
+    let scenes = [typed::schema::<RawScene>()].into_iter().chain(KINDS.iter().map(|kind| (kind.schema)()));
+    let mut names = BTreeSet::new();
+    scenes.for_each(|schema| gather_whole(schema.as_value(), &mut names));
+    names
+});
+
+fn gather_whole(schema: &serde_json::Value, names: &mut BTreeSet<String>) {
+    use serde_json::Value as Json;
+    let of_count = |key: &Json| key[typed::VALUE].as_str().is_some_and(|value| value.starts_with("whole number"));
+    match schema {
+        Json::Object(members) => {
+            let keys = members.get("properties").and_then(Json::as_object).into_iter().flatten();
+            names.extend(keys.filter(|(_, key)| of_count(key)).map(|(name, _)| name.clone()));
+            members.values().for_each(|member| gather_whole(member, names));
+        }
+        Json::Array(items) => items.iter().for_each(|item| gather_whole(item, names)),
+        _ => {}
+    }
+}
+
+fn is_whole(key: &str) -> bool {
+    WHOLE.contains(key.rsplit('.').next().unwrap_or(key))
+}
+
+/// Computed values as the nearest whole numbers. Those of a range are each there once; random ones may come again.
+fn whole(levels: Vec<Level>, random: bool) -> Vec<Level> {
+    let rounded = |level: Level| match level.si.map(f64::round) {
+        Some(number) => Level { typed: format!("{number:.0}"), si: Some(number) },
+        None => level,
+    };
+    let mut levels: Vec<Level> = levels.into_iter().map(rounded).collect();
+    if !random {
+        levels.dedup();
+    }
+    levels
+}
+
 /// The values of a list, each a number, a number with its unit, or a text.
-fn listed(items: &[Value]) -> (Vec<Level>, Dimension) {
+fn listed(items: &[Value]) -> Read<(Vec<Level>, Dimension)> {
     let quantity = |item: &Value| match item {
         Value::Float(number) => Some(Quantity::Number(*number)),
         Value::Integer(number) => Some(Quantity::Number(*number as f64)),
@@ -128,14 +174,20 @@ fn listed(items: &[Value]) -> (Vec<Level>, Dimension) {
         _ => None,
     };
     let measured: Vec<_> = items.iter().map(|item| quantity(item).and_then(|q| q.in_si().ok())).collect();
-    let dimension = measured.iter().flatten().map(|(_, dimension)| *dimension).find(|d| *d != Dimension::None);
-    let dimension = dimension.unwrap_or(Dimension::None);
     let all = measured.iter().all(Option::is_some);
+    let with_unit =
+        || items.iter().zip(measured.iter().flatten()).filter(|(_, (_, dimension))| *dimension != Dimension::None);
+    let dimension = with_unit().next().map_or(Dimension::None, |(_, (_, dimension))| *dimension);
+    if let (true, Some((other, _)), Some((first, _))) =
+        (all, with_unit().find(|(_, (_, own))| *own != dimension), with_unit().next())
+    {
+        return Err(format!("{first} and {other} are of different dimensions"));
+    }
     let level = |(item, si): (&Value, &Option<(f64, Dimension)>)| Level {
         typed: item.to_string(),
         si: si.filter(|_| all).map(|(si, _)| si),
     };
-    (items.iter().zip(&measured).map(level).collect(), if all { dimension } else { Dimension::None })
+    Ok((items.iter().zip(&measured).map(level).collect(), if all { dimension } else { Dimension::None }))
 }
 
 impl RawRange {
@@ -207,7 +259,7 @@ impl RawRange {
         if items.is_empty() || self.scale.is_some() {
             return Err("`choice` is a list of values, with `samples` and `seed` and no other keys".into());
         }
-        let (all, dimension) = listed(items);
+        let (all, dimension) = listed(items)?;
         let mut rng = XorShiftRng::seed_from_u64(self.seed.unwrap_or(1));
         Ok(((0..samples).map(|_| all[rng.random_range(0..all.len())].clone()).collect(), dimension))
     }
@@ -316,6 +368,23 @@ mod tests {
     }
 
     #[test]
+    fn keys_of_whole_numbers_have_whole_values() {
+        for key in ["cells", "frames", "max-events", "modes", "shapes"] {
+            assert!(is_whole(key), "{key}: {WHOLE:?}");
+        }
+        assert!(!is_whole("left.value") && !is_whole("solve.cfl"));
+        let cells = |text: &str| {
+            let table: toml::Table = format!("a = {text}").parse().expect("TOML");
+            let axis = Axis::read("solve.cells", &table["a"]).expect("an axis");
+            axis.levels.into_iter().map(|level| level.typed).collect::<Vec<_>>()
+        };
+        assert_eq!(cells("{ from = 100, to = 1000, count = 4, scale = \"log\" }"), ["100", "215", "464", "1000"]);
+        assert_eq!(cells("{ from = 2, to = 4, count = 7 }"), ["2", "3", "4"]);
+        assert_eq!(cells("{ uniform = [2, 4], samples = 20 }").len(), 20);
+        assert_eq!(cells("[2.5]"), ["2.5"]);
+    }
+
+    #[test]
     fn lists_are_numbers_or_texts() {
         let names = axis("[\"copper-annealed\", \"mild-steel\"]").expect("an axis");
         assert_eq!((names.levels[0].typed.as_str(), names.levels[0].si), ("\"copper-annealed\"", None));
@@ -356,6 +425,7 @@ mod tests {
             ("{ from = 1, to = 2, step = 0 }", "must not be zero"),
             ("{ from = -1, to = 2, count = 3, scale = \"log\" }", "one sign"),
             ("{ from = \"1 m\", to = \"2 s\", count = 3 }", "different dimensions"),
+            ("[\"-1 m/s\", 2, \"5 kN\"]", "different dimensions"),
             ("{ from = 1, to = 2, cuont = 3 }", "unknown field `cuont`"),
             ("{ from = 0, to = 1, step = 1e-9 }", "out of range"),
             ("{ uniform = [0, 1] }", "give `samples`"),

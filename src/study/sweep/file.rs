@@ -8,6 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::axis::{Axis, MOST_VALUES, RANDOM, Values};
+use super::names::unknown;
 use super::plan::{Combine, Plan};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Document, GivenKey};
@@ -35,7 +36,8 @@ pub struct Sweep {
 pub(crate) struct RawFile {
     sweep: RawSweep,
     /// The scene keys that vary, dotted as for `--set`, with their values.
-    #[schemars(with = "BTreeMap<String, Values>")]
+    #[serde(default)]
+    #[schemars(required, with = "BTreeMap<String, Values>")]
     axes: toml::Table,
 }
 
@@ -51,7 +53,8 @@ struct RawSweep {
     combine: Combine,
     /// Names of the results in the table, dotted as in the summary JSON. Default: every scalar of the summary except computing times.
     #[serde(default)]
-    metrics: Vec<String>,
+    #[schemars(with = "Vec<String>")]
+    metrics: Vec<Spanned<String>>,
     /// Fields to keep of every case, each in a result file of its own. Default: none.
     #[serde(default)]
     fields: Vec<String>,
@@ -77,9 +80,12 @@ impl Sweep {
         let scene = path.parent().unwrap_or(Path::new("")).join(raw.sweep.scene.get_ref());
         let document = Document::read(&scene).map_err(|e| beside(e, file, &raw.sweep.scene))?;
         let name = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
+        if document.parsed().is_ok_and(|scene| scene.has("bar")) {
+            check_metrics(file, &raw.sweep.metrics)?;
+        }
+        let metrics = raw.sweep.metrics.into_iter().map(Spanned::into_inner).collect();
         let axes = axes(file, &places, &raw.axes)?;
-        let sweep =
-            Self::of_scene(name, document, &scene, axes, raw.sweep.combine, raw.sweep.metrics, raw.sweep.fields)?;
+        let sweep = Self::of_scene(name, document, &scene, axes, raw.sweep.combine, metrics, raw.sweep.fields)?;
         check_counts(file, &sweep.plan)?;
         Ok(sweep)
     }
@@ -151,12 +157,27 @@ fn axes(file: &Document, places: &[GivenKey], values: &toml::Table) -> Result<Ve
     places.iter().map(axis).collect()
 }
 
+/// Refuses names that no bar has, before hours of computing.
+fn check_metrics(file: &Document, metrics: &[Spanned<String>]) -> Result<()> {
+    for metric in metrics {
+        if let Some(help) = unknown(metric.get_ref()) {
+            let message = format!("unknown metric `{}`", metric.get_ref());
+            return Err(file.error(metric.span(), "sweep.metrics", message).help(help).into());
+        }
+    }
+    Ok(())
+}
+
 fn check_counts(file: &Document, plan: &Plan) -> Result<()> {
     let wrong = |key: &str, message: String, help: &str| -> Result<()> {
         Err(file.error(file.span_of(key).unwrap_or(0..0), key, message).help(help).into())
     };
     if plan.axes.is_empty() {
-        return wrong("axes", "there are no axes".into(), "give at least one, such as \"left.value\" = [-10, -20]");
+        return wrong(
+            "axes",
+            "there are no axes".into(),
+            "add [axes] with the keys that vary, such as \"left.value\" = [-10, -20]",
+        );
     }
     let lengths: Vec<usize> = plan.axes.iter().map(|axis| axis.levels.len()).collect();
     if plan.combine == Combine::Zip

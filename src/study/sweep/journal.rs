@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::metrics::{Row, Status};
 use super::plan::Plan;
 use super::shard::Shard;
-use crate::destination::write_whole;
+use crate::destination::{self, write_whole};
 use crate::error::{Error, InputError, Result};
 
 /// Names in the folder.
@@ -55,7 +55,7 @@ impl Journal {
     /// # Errors
     /// An [`InputError`] where the folder holds a sweep already of which a case was accepted, or is no place for one; a file error.
     pub fn begin(folder: &Path, plan: &Plan, shard: Shard) -> Result<Self> {
-        std::fs::create_dir_all(folder).map_err(|e| Error::file(folder, e))?;
+        destination::folder_at(folder)?;
         if Self::has_rows(folder) && !Self::all_refused(folder) {
             let message = format!("the folder {} already contains a sweep", folder.display());
             let help = "continue it with --resume, or choose another folder with -o";

@@ -7,6 +7,7 @@ use super::metrics::Row;
 use super::table::write_tables;
 use crate::destination;
 use crate::error::{Error, InputError, Result};
+use crate::text_file;
 
 /// Missing cases that are named.
 const NAMED: usize = 10;
@@ -50,7 +51,7 @@ fn sweeps_in(folder: &Path) -> Result<Vec<PathBuf>> {
         return Ok(vec![folder.to_owned()]);
     }
     let entries = std::fs::read_dir(folder).map_err(|e| {
-        InputError::new(format!("cannot read the folder {}: {e}", folder.display()))
+        InputError::new(format!("cannot read the folder `{}`: {}", folder.display(), text_file::plain_reason(&e)))
             .help("give the folders that `barwave sweep` wrote")
     })?;
     let mut inside: Vec<PathBuf> =

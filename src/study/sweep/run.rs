@@ -27,6 +27,8 @@ pub struct Finished {
     pub run: usize,
     /// Metrics of the sweep file that no case has.
     pub without_values: Vec<String>,
+    /// The reason of most cases that were refused or stopped, and their number.
+    pub commonest_reason: Option<(String, usize)>,
 }
 
 /// Where rows go as cases end, and whether to stop.
@@ -79,7 +81,28 @@ pub fn run(
             failed.map_or(counted, Err)?
         }
     };
-    Ok(Finished { statuses, run: cases.len(), without_values: without_values(plan, &rows) })
+    Ok(Finished {
+        statuses,
+        run: cases.len(),
+        without_values: without_values(plan, &rows),
+        commonest_reason: commonest_reason(&rows),
+    })
+}
+
+/// The reason of most cases that have one; the values of the axes, the numbers in it, differ from case to case.
+fn commonest_reason(rows: &[Row]) -> Option<(String, usize)> {
+    let without_numbers = |reason: &str| reason.replace(|c: char| c.is_ascii_digit() || ".-+".contains(c), "");
+    let mut reasons: Vec<(&str, String, usize)> = Vec::new();
+    for row in rows.iter().filter(|row| !row.reason.is_empty()) {
+        let like = without_numbers(&row.reason);
+        match reasons.iter_mut().find(|known| known.1 == like) {
+            Some(known) => known.2 += 1,
+            None => reasons.push((&row.reason, like, 1)),
+        }
+    }
+    // Of equally common ones the first.
+    let most = reasons.iter().rev().max_by_key(|known| known.2)?;
+    Some((most.0.to_owned(), most.2))
 }
 
 /// Metrics that no case has.

@@ -73,7 +73,7 @@ impl FromStr for Shard {
             .and_then(|(index, count)| Some((index.trim().parse().ok()?, count.trim().parse().ok()?)));
         match parsed {
             Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
-            _ => Err("write I/N, such as 2/4 for the second of four shards".into()),
+            _ => Err("write I/N with I from 1 to N, such as 2/4 for the second of four shards".into()),
         }
     }
 }

@@ -147,7 +147,7 @@ fn values_of(values: Vec<&Value>) -> Values {
 }
 
 /// The unit that the name of a figure ends with.
-fn unit_of(name: &str) -> &'static str {
+pub(crate) fn unit_of(name: &str) -> &'static str {
     const UNITS: [(&str, &str); 10] = [
         ("_Pa_s", "Pa s"),
         ("_J_m3", "J/m^3"),

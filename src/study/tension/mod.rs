@@ -7,5 +7,5 @@
 mod plan;
 mod results;
 
-pub use plan::{FarEnd, Specimen, Test};
+pub use plan::{FarEnd, SPECIMEN, Specimen, Test};
 pub use results::{Point, Results, results, write_csv, write_hdf5};

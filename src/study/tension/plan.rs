@@ -24,6 +24,9 @@ const TRANSITS: f64 = 8.0;
 pub(super) const METRICS: [&str; 5] =
     ["permanent_elongation_m", "energy_absorbed_J", "ruptures.0.x_m", "ruptures.0.time_s", "ruptures.0.site"];
 
+/// Stands for the file of the scene of a specimen.
+pub const SPECIMEN: &str = "specimen";
+
 /// The end of the specimen that is not struck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum FarEnd {
@@ -57,6 +60,8 @@ pub struct Test {
     pub material: String,
     /// Gauge length, m.
     pub length: f64,
+    /// Elastic transit time, s.
+    pub transit: f64,
     /// Impact velocities, m/s, one a case, increasing.
     pub velocities: Vec<f64>,
     /// Of the curve, m/s.
@@ -68,8 +73,11 @@ pub struct Test {
 impl Specimen<'_> {
     /// The scene that a test varies.
     pub fn scene(&self) -> Document {
-        let [material, length, diameter] =
-            [self.material, self.length, self.diameter].map(|text| Value::from(text).to_string());
+        let material = Value::from(self.material).to_string();
+        // A plain number is in SI, as everywhere on the command line.
+        let quantity =
+            |text: &str| text.trim().parse::<f64>().map_or_else(|_| Value::from(text), Value::from).to_string();
+        let [length, diameter] = [self.length, self.diameter].map(quantity);
         let far = if self.far_end == FarEnd::Fixed { "fixed" } else { "free" };
         let text = format!(
             "title = \"Tension impact\"\n[bar]\nlength = {length}\ndiameter = {diameter}\nmaterial = {material}\n[left]\nkind = \
@@ -78,7 +86,7 @@ impl Specimen<'_> {
              [solve]\nuntil = 1\nmethod = \"fd\"\ncells = {}\n[record]\nframes = 2\n",
             self.cells
         );
-        Document::new("specimen", text)
+        Document::new(SPECIMEN, text)
     }
 }
 
@@ -120,6 +128,7 @@ impl Test {
             material: row.material,
             velocities,
             length,
+            transit,
         })
     }
 }

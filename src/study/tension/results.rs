@@ -31,6 +31,8 @@ pub struct Point {
     pub fracture_time_s: Option<f64>,
     /// The first fracture is at the struck end.
     pub at_struck_end: bool,
+    /// It is, and no wave has come back from the far end before: the bar cannot take up the velocity.
+    pub at_once: bool,
     /// Plastic strain along the specimen at the end, at [`Results::x`].
     #[serde(skip)]
     pub residual_strain: Vec<f64>,
@@ -51,8 +53,8 @@ pub struct Results {
     pub largest_elongation: Option<f64>,
     /// See `largest_elongation`.
     pub velocity_of_largest_elongation_m_s: Option<f64>,
-    /// All bars that are struck with the second velocity or faster break at the struck end, and that of the first velocity does not; none
-    /// where there are no two such velocities.
+    /// All bars that are struck with the second velocity or faster break at the struck end at once, and that of the first velocity does not;
+    /// none where there are no two such velocities.
     pub critical_between_m_s: Option<[f64; 2]>,
     /// By velocity.
     pub points: Vec<Point>,
@@ -76,7 +78,7 @@ pub fn results(test: &Test, folder: &Path) -> Result<Results> {
     }
     let broken = points.iter().filter_map(|point| Some((point.elongation?, point.velocity_m_s)));
     let largest = broken.max_by(|a, b| a.0.total_cmp(&b.0));
-    let begins = points.windows(2).rfind(|pair| !pair[0].at_struck_end);
+    let begins = points.windows(2).rfind(|pair| !pair[0].at_once);
     Ok(Results {
         material: test.material.clone(),
         length_m: test.length,
@@ -85,7 +87,7 @@ pub fn results(test: &Test, folder: &Path) -> Result<Results> {
         largest_elongation: largest.map(|(elongation, _)| elongation),
         velocity_of_largest_elongation_m_s: largest.map(|(_, velocity)| velocity),
         critical_between_m_s: begins
-            .filter(|pair| pair[1].at_struck_end)
+            .filter(|pair| pair[1].at_once)
             .map(|pair| [pair[0].velocity_m_s, pair[1].velocity_m_s]),
         points,
         x,
@@ -95,6 +97,7 @@ pub fn results(test: &Test, folder: &Path) -> Result<Results> {
 fn point(test: &Test, row: Row, residual_strain: Vec<f64>) -> Point {
     let number = |k: usize| row.metrics.get(METRICS[k]).and_then(serde_json::Value::as_f64);
     let [elongation, energy, position, time] = [0, 1, 2, 3].map(number);
+    let at_struck_end = row.metrics.get(METRICS[4]).is_some_and(|site| site == "left end");
     Point {
         velocity_m_s: test.velocities[row.case],
         status: row.status.name(),
@@ -102,7 +105,8 @@ fn point(test: &Test, row: Row, residual_strain: Vec<f64>) -> Point {
         energy: time.and(energy),
         fracture_position_m: position,
         fracture_time_s: time,
-        at_struck_end: row.metrics.get(METRICS[4]).is_some_and(|site| site == "left end"),
+        at_struck_end,
+        at_once: at_struck_end && time.is_some_and(|time| time < 2.0 * test.transit),
         reason: row.reason,
         residual_strain,
     }
@@ -124,12 +128,13 @@ fn profile(folder: &Path, row: &Row) -> Result<(Vec<f64>, Vec<f64>)> {
 
 /// Name, unit and value of every number of a point.
 type Number = (&'static str, &'static str, fn(&Point) -> Option<f64>);
-const NUMBERS: [Number; 5] = [
+const NUMBERS: [Number; 6] = [
     ("elongation", "1", |p| p.elongation),
     ("energy_absorbed_J", "J", |p| p.energy),
     ("fracture_position_m", "m", |p| p.fracture_position_m),
     ("fracture_time_s", "s", |p| p.fracture_time_s),
     ("at_struck_end", "1", |p| Some(f64::from(p.at_struck_end))),
+    ("at_once", "1", |p| Some(f64::from(p.at_once))),
 ];
 
 /// Writes a row a velocity as CSV; numbers that do not exist are empty.

@@ -1,0 +1,20 @@
+//! The files that a command has read: scenes, materials, records, histories, results. They are read deep inside checks, and no output may take
+//! their place; see [`crate::destination::resolve`].
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Keeps an input from being replaced by an output.
+pub fn protect(input: &Path) {
+    if let (Ok(path), Ok(mut read)) = (input.canonicalize(), READ.lock()) {
+        read.insert(path);
+    }
+}
+
+/// A file that has been read.
+pub fn is_protected(path: &Path) -> bool {
+    path.canonicalize().is_ok_and(|path| READ.lock().is_ok_and(|read| read.contains(&path)))
+}

@@ -248,6 +248,28 @@ fn a_range_of_whole_numbers_is_rounded() {
 }
 
 #[test]
+fn every_name_of_a_summary_is_a_metric() {
+    let folder = scenes(SPEEDS);
+    for solve in ["solve.method=\"moc\"", "solve.method=\"fd\""] {
+        let run = done(folder.path(), &["run", "scene.toml", "--json", "--set", solve]);
+        let summary: Value = serde_json::from_str(&run).expect("JSON");
+        let keys = |value: &Value, before: &str| -> Vec<String> {
+            value.as_object().into_iter().flatten().map(|(key, _)| format!("{before}{key}")).collect()
+        };
+        let mut names = keys(&summary, "");
+        names.retain(|name| name != "schema_version" && name != "figures");
+        names.extend(keys(&summary["figures"], ""));
+        names.extend(["left", "right"].into_iter().flat_map(|end| keys(&summary[end], &format!("{end}."))));
+        let of_ends = |end: &str| keys(&summary["figures"][end], &format!("figures.{end}."));
+        names.extend(["left", "right"].into_iter().flat_map(of_ends));
+        assert!(names.len() > 40, "{names:?}");
+        let sweep = SPEEDS.replace("[axes]", &format!("metrics = {names:?}\n[axes]"));
+        std::fs::write(folder.path().join("sweep.toml"), sweep).expect("a file");
+        done(folder.path(), &["check", "sweep.toml"]);
+    }
+}
+
+#[test]
 fn wrong_keys_and_metrics_are_named() {
     let sweep = |metrics: &str, key: &str| {
         format!("[sweep]\nscene = \"scene.toml\"\nmetrics = [{metrics}]\n[axes]\n\"{key}\" = [0.5, 0.6]\n")

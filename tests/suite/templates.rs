@@ -90,7 +90,9 @@ fn a_falling_mass_rebounds() {
 fn a_pulse_spalls() {
     let summary = run("spall");
     assert_eq!(summary["outcome"], "rupture");
-    assert!((number(&summary, "/ruptures/0/x_m") - 0.18).abs() < 0.002);
+    // Exactly; on a grid it broke three steps late, and the scab kept 800 MPa in its last cell.
+    assert!((number(&summary, "/ruptures/0/x_m") - 0.18).abs() < 1e-9);
+    assert!((number(&summary, "/ruptures/0/time_s") - 44e-6).abs() < 1e-12);
 }
 
 #[test]

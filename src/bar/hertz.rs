@@ -92,10 +92,20 @@ impl Hertz {
     pub fn contact_time(&self, mass: f64, velocity: f64) -> f64 {
         CONTACT_TIME * self.largest_approach(mass, velocity) / velocity.abs()
     }
+
+    /// Bound of the force that it gives the end of a long bar of this `impedance`, N s/m: no more than on a fixed flat, or than stops it at once.
+    pub fn most_force(&self, mass: f64, velocity: f64, impedance: f64) -> f64 {
+        self.force(self.largest_approach(mass, velocity)).min(impedance * velocity.abs())
+    }
+
+    /// Time in which that force rises and falls, s; in proportion as on a fixed flat.
+    pub fn time_under(&self, force: f64, velocity: f64) -> f64 {
+        CONTACT_TIME * self.approach(force) / velocity.abs()
+    }
 }
 
 /// 4/5 sqrt(pi) Gamma(2/5)/Gamma(9/10), the integral of 2 dx/sqrt(1 - x^(5/2)) from 0 to 1.
-pub const CONTACT_TIME: f64 = 2.943_275_184_3;
+const CONTACT_TIME: f64 = 2.943_275_184_3;
 
 #[cfg(test)]
 mod tests {

@@ -133,31 +133,11 @@ impl Distribution {
         Self(History::new(&all).expect("rows of a table are in order"))
     }
 
-    /// Mean from 0 to `length` (m), weighted with a quantity whose means between two places (m) are given: exact where that is constant, else in
-    /// parts of the stretches between rows.
-    pub fn mean_weighted(&self, length: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
-        let mut ends: Vec<f64> = knots([self]).into_iter().filter(|x| *x < length).collect();
-        ends.push(length);
-        let parts = ends.windows(2).flat_map(|pair| {
-            let size = (pair[1] - pair[0]) / PARTS as f64;
-            (0..PARTS).map(move |k| [k, k + 1].map(|k| pair[0] + size * k as f64))
-        });
-        let add = |[sum, total]: [f64; 2], [from, to]: [f64; 2]| {
-            let amount = weight(from, to) * (to - from);
-            [sum + amount * self.mean(from, to), total + amount]
-        };
-        let [sum, total] = parts.fold([0.0; 2], add);
-        sum / total
-    }
-
     /// The largest size of its values.
     pub fn largest(&self) -> f64 {
         self.0.extreme().abs()
     }
 }
-
-/// Parts of a stretch between two rows over which a weight counts as constant: what that leaves out is of their second order.
-const PARTS: usize = 1000;
 
 /// All x of some tables' rows, increasing, each once; 0 among them.
 fn knots<'a>(tables: impl IntoIterator<Item = &'a Distribution>) -> Vec<f64> {

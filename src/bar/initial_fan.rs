@@ -311,6 +311,17 @@ type Drive = fn(&Segment, &EndCondition, f64) -> Option<Imposed>;
 /// cell as strain: 24 cells on, twelve times that part of the velocity over the speed of the slowest front.
 const DRIFT: f64 = 0.001;
 
+/// The history that an end follows, the value (m/s or Pa) of a bar that nothing drives, and when the end is released, s; none of other ends.
+fn prescribed<'a>(at: &Segment, end: &'a EndCondition) -> Option<(Driver, &'a super::History, [f64; 2])> {
+    match end {
+        EndCondition::Velocity { history, release } => {
+            Some((Driver::Velocity, history, [at.velocity, release.unwrap_or(f64::INFINITY)]))
+        }
+        EndCondition::Stress { history } => Some((Driver::Stress, history, [0.0, f64::INFINITY])),
+        _ => None,
+    }
+}
+
 /// What an end imposes on the bar.
 #[derive(Clone, Copy)]
 struct Imposed {
@@ -330,46 +341,32 @@ impl Imposed {
 
     /// At first, for as long as that holds.
     fn at_first(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
-        let of = |driver: Driver, history: &super::History, rest: f64| Self {
-            sudden: history.is_constant(),
-            holds_until: holds_until(history, history.at(0.0), DRIFT * (history.at(0.0) - rest).abs()),
-            ..Self::steady(driver, history.at(0.0) - rest)
+        let Some((driver, history, [rest, released])) = prescribed(at, end) else {
+            return Self::at_most(at, end, direction);
         };
-        match end {
-            EndCondition::Velocity { history, release } => {
-                let imposed = of(Driver::Velocity, history, at.velocity);
-                Some(Self { holds_until: imposed.holds_until.min(release.unwrap_or(f64::INFINITY)), ..imposed })
-            }
-            EndCondition::Stress { history } => Some(of(Driver::Stress, history, 0.0)),
-            _ => Self::at_most(at, end, direction),
-        }
+        let value = history.at(0.0);
+        Some(Self {
+            sudden: history.is_constant(),
+            holds_until: holds_until(history, value, DRIFT * (value - rest).abs()).min(released),
+            ..Self::steady(driver, value - rest)
+        })
     }
 
     /// At its strongest.
     fn at_most(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
+        if let Some((driver, history, [rest, released])) = prescribed(at, end) {
+            let (peak, until) = peak(history, rest);
+            let rounding = ROUND_OFF * (rest.abs() + peak.abs());
+            return Some(Self {
+                driver,
+                change: peak,
+                sudden: history.is_constant(),
+                loads_until: until.min(released),
+                holds_until: holds_until(history, rest + peak, rounding).min(released),
+            });
+        }
         let (rest, area) = (at.velocity, at.end_areas()[usize::from(direction < 0.0)]);
         match end {
-            EndCondition::Velocity { history, release } => {
-                let (peak, until) = peak(history, rest);
-                let released = release.unwrap_or(f64::INFINITY);
-                Some(Self {
-                    driver: Driver::Velocity,
-                    change: peak,
-                    sudden: history.is_constant(),
-                    loads_until: until.min(released),
-                    holds_until: holds_until(history, rest + peak, ROUND_OFF * (rest.abs() + peak.abs())).min(released),
-                })
-            }
-            EndCondition::Stress { history } => {
-                let (peak, loads_until) = peak(history, 0.0);
-                Some(Self {
-                    driver: Driver::Stress,
-                    change: peak,
-                    sudden: history.is_constant(),
-                    loads_until,
-                    holds_until: holds_until(history, peak, 0.0),
-                })
-            }
             EndCondition::Fixed => Some(Self::steady(Driver::Velocity, -rest)),
             // The bar moves towards a wall at the left when its velocity is negative.
             EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => {
@@ -395,7 +392,9 @@ impl Imposed {
             | EndCondition::Striker { .. }
             // Its force starts from nothing.
             | EndCondition::Ball { .. }
-            | EndCondition::Spring { .. } => None,
+            | EndCondition::Spring { .. }
+            | EndCondition::Velocity { .. }
+            | EndCondition::Stress { .. } => None,
         }
     }
 }
@@ -436,16 +435,14 @@ fn holds_until(history: &super::History, value: f64, drift: f64) -> f64 {
         return 0.0;
     }
     let start = history.time().partition_point(|&time| time <= 0.0).max(1) - 1;
-    let rows = || history.time()[start..].iter().zip(&history.value()[start..]);
-    let Some(k) = rows().position(|(_, &other)| !is_there(other)) else { return f64::INFINITY };
-    let row = |k: usize| rows().nth(k).map_or((0.0, value), |(&time, &value)| (time, value));
-    let (to, left) = row(k);
-    if k == 0 {
-        return to;
+    let (time, values) = (history.time(), history.value());
+    let Some(k) = (start..time.len()).find(|&k| !is_there(values[k])) else { return f64::INFINITY };
+    if k == start {
+        return time[k];
     }
-    let (from, held) = row(k - 1);
-    // On the straight line between them.
-    from + (to - from) * ((drift - (held - value).abs()) / (left - held).abs()).clamp(0.0, 1.0)
+    // On the straight line from the row before.
+    let part = (drift - (values[k - 1] - value).abs()) / (values[k] - values[k - 1]).abs();
+    time[k - 1] + (time[k] - time[k - 1]) * part.clamp(0.0, 1.0)
 }
 
 /// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.

@@ -16,7 +16,7 @@ mod uniform;
 use std::sync::Arc;
 
 pub use end::EndCondition;
-pub use hertz::{CONTACT_TIME, Hertz};
+pub use hertz::Hertz;
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
 pub use initial_fan::{Driver, InitialFan, Origin, START_CELLS, first_fans, initial_fans, starting_fans};

@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
+use super::Distribution;
+
 /// What the rows of a taper give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -89,6 +91,23 @@ impl Taper {
         }
         add(left, to);
         volume / (to - from)
+    }
+
+    /// Mean of values along it over its volume, exact: between rows their product with the area is of third degree at most, for which Simpson's rule
+    /// is, too.
+    pub fn mean_of(&self, values: &Distribution) -> f64 {
+        let inside = values.rows().map(|row| row.0).filter(|&x| x < self.length());
+        let mut ends: Vec<f64> = self.x.iter().copied().chain(inside).collect();
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        let part = |pair: &[f64]| {
+            let (a, b, middle) = (pair[0], pair[1], 0.5 * (pair[0] + pair[1]));
+            let product = |x: f64, value: f64| self.area(x) * value;
+            (b - a) / 6.0
+                * (product(a, values.at(a)) + 4.0 * product(middle, values.at(middle)) + product(b, values.before(b)))
+        };
+        let sum: f64 = ends.windows(2).map(part).sum();
+        sum / (self.length() * self.mean(0.0, self.length()))
     }
 
     /// Its rows: x (m) and size (m^2 or m).

@@ -153,9 +153,14 @@ pub(crate) fn json_note(value: &impl Serialize) {
     let _ = serde_json::to_string(&Versioned::new(value)).map(|line| note(&(line + "\n")));
 }
 
-/// Whether a file is to be a table, by its name; standard output is.
+/// Whether a file has this ending; standard output passes for one.
+pub(crate) fn has_ending(path: &Path, ending: &str) -> bool {
+    destination::is_stdout(path) || path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
+}
+
+/// Whether a file is to be a table, by its name.
 pub(crate) fn is_csv(path: &Path) -> bool {
-    destination::is_stdout(path) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+    has_ending(path, "csv")
 }
 
 /// A number with the given digits after the point, or a dash. What rounds to zero has no sign.

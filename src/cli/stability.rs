@@ -36,7 +36,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.show {
         return cases.iter().try_for_each(|case| output::text(&format!("{}\n", case.text())));
     }
-    if let Some(path) = args.output.as_deref().filter(|path| !is_markdown(path)) {
+    if let Some(path) = args.output.as_deref().filter(|path| !output::has_ending(path, "md")) {
         let error = InputError::new(format!("`{}` is not the name of a Markdown file", path.display())).key("-o");
         return Err(error.allowed("a file name ending in .md, or `-`").help("e.g. -o hard-cases.md").into());
     }
@@ -53,10 +53,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return Err(Error::Checks(format!("{failed} of {} runs failed a check", tried.len())));
     }
     Ok(())
-}
-
-fn is_markdown(path: &Path) -> bool {
-    destination::is_stdout(path) || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("md"))
 }
 
 fn select(names: &[String]) -> Result<Vec<&'static HardCase>> {

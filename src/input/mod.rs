@@ -125,7 +125,14 @@ impl Document {
     /// A whole number within `low..=high` that the text holds; 1e5 is one too.
     pub fn count_at(&self, value: &Number, low: usize, high: usize) -> Result<usize> {
         let range = Allowed::Within(low as f64, high as f64);
-        let number = self.number_at(value, Dimension::None, range).map_err(|error| Self::of_count(error, low, high))?;
+        let is_number = || value.get_ref().si(Dimension::None).is_ok();
+        let number = self.number_at(value, Dimension::None, range).map_err(|error| match error {
+            Error::Input(e) if !is_number() => {
+                let help = format!("write a whole number, e.g. {} = {}", last_part(&e.key), 1000.clamp(low, high));
+                e.help(help).into()
+            }
+            other => other,
+        })?;
         if number.fract() == 0.0 {
             return Ok(number as usize);
         }
@@ -133,17 +140,6 @@ impl Document {
         let allowed = format!("{}, a whole number", range.describe(last_part(&key), Dimension::None));
         let error = self.error(value.span(), &key, format!("{number} is not a whole number")).allowed(allowed);
         Err(error.help(format!("write e.g. {} = {}", last_part(&key), number.round())).into())
-    }
-
-    /// An error of a number that has to be whole shows one.
-    fn of_count(error: Error, low: usize, high: usize) -> Error {
-        match error {
-            Error::Input(e) if e.help.starts_with(PLAIN) => {
-                let help = format!("write a whole number, e.g. {} = {}", last_part(&e.key), 1000.clamp(low, high));
-                e.help(help).into()
-            }
-            other => other,
-        }
     }
 }
 
@@ -164,12 +160,9 @@ fn last_part(key: &str) -> &str {
     key.rsplit('.').find(|part| part.parse::<usize>().is_err()).unwrap_or(key)
 }
 
-/// Start of the help for numbers without a unit.
-const PLAIN: &str = "write a plain number";
-
 fn number_help(name: &str, dimension: Dimension) -> String {
     match dimension.si_symbol() {
-        "" => format!("{PLAIN}, e.g. {name} = {}", dimension.example()),
+        "" => format!("write a plain number, e.g. {name} = {}", dimension.example()),
         symbol => format!("write e.g. {name} = \"{}\"; a plain number is in {symbol}", dimension.example()),
     }
 }

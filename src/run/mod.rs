@@ -41,8 +41,8 @@ use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer}
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
     FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, ResidualProfile,
-    RuptureSummary, SegmentEnd, Stepped, Summary, Surface, Tally, TorsionSummary, Trace, TrackingSummary, Twisted,
-    View, above_critical,
+    RuptureSummary, SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary, Twisted, View,
+    above_critical,
 };
 use crate::scene::{Effects, Scene, Torsion};
 use crate::snapshot::Snapshot;
@@ -445,10 +445,9 @@ impl<'a> RunRecorder<'a> {
     fn summary(self, outcome: &str, results: RunResults, figures: Figures) -> Summary {
         let [method, scheme] = self.scene.solve.method.names();
         let [left, right] = results.ends;
-        let [left, right] = [(left, 0), (right, 1)].map(|(end, side)| EndSummary {
-            striker: end.striker.map(|velocity| lever(self.scene, side) * velocity),
-            ..end
-        });
+        let [at_left, at_right] = levers(self.scene);
+        let [left, right] = [(left, at_left), (right, at_right)]
+            .map(|(end, lever)| EndSummary { striker: end.striker.map(|velocity| lever * velocity), ..end });
         let as_theory = results.elastic && !results.parted();
         Summary {
             scene: self.scene.title.clone(),
@@ -505,9 +504,9 @@ fn contacts_that_yield(scene: &Scene, figures: &Figures) -> Vec<AuditRow> {
     [("left", &scene.left, 0), ("right", &scene.right, last)].into_iter().filter_map(row).collect()
 }
 
-/// Velocity of a body at an end of its own over that with which it moves the bar there.
-fn lever(scene: &Scene, side: usize) -> f64 {
-    scene.torsion.as_ref().map_or(1.0, |torsion| torsion.levers[side])
+/// Velocities of bodies at the ends of their own over those with which they move the bar there.
+fn levers(scene: &Scene) -> [f64; 2] {
+    scene.torsion.as_ref().map_or([1.0; 2], |torsion| torsion.levers)
 }
 
 /// Lengths of the segments of the original scene; none in torsion, where strains are shear strains.
@@ -586,11 +585,8 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
     Records {
         bar: &scene.1.bar,
         ends: [&scene.1.left, &scene.1.right],
-        torsion: scene.1.torsion.as_ref().map(|torsion| Surface {
-            radius: torsion.radius,
-            polar: &torsion.polar,
-            levers: torsion.levers,
-        }),
+        torque_per_stress: scene.1.torsion.as_ref().map(|torsion| torsion.torque_per_stress().collect()),
+        levers: levers(scene.1),
         gauges: scene.1.record.gauges.iter().map(|gauge| gauge.0.as_str()).collect(),
         tally,
         joint_areas: beside_joints(scene.0).map(|[left, _]| left.end_areas()[1]).collect(),
@@ -606,11 +602,10 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
 }
 
 fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {
-    let radius = torsion.radius;
-    let polar = [torsion.polar[0], torsion.polar[torsion.polar.len() - 1]];
+    let (radius, per_stress): (f64, Vec<f64>) = (torsion.radius, torsion.torque_per_stress().collect());
     TorsionSummary {
         radius_m: radius,
-        torque: [0, 1].map(|k| ends[k].stress * polar[k] / radius),
+        torque: [(0, 0), (1, per_stress.len() - 1)].map(|(k, segment)| ends[k].stress * per_stress[segment]),
         angular_velocity_rad_s: ends.map(|end| end.velocity / radius),
     }
 }
@@ -619,13 +614,14 @@ fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {
 fn twisted(scene: &Scene, x: &[f64]) -> Option<Twisted> {
     let torsion = scene.torsion.as_ref()?;
     let (mut k, mut end) = (0, scene.bar.segments[0].length);
+    let of_segments: Vec<f64> = torsion.torque_per_stress().collect();
     let mut torque_per_stress = Vec::with_capacity(x.len());
     for &x in x {
         while x >= end && k + 1 < scene.bar.segments.len() {
             k += 1;
             end += scene.bar.segments[k].length;
         }
-        torque_per_stress.push(torsion.polar[k] / torsion.radius);
+        torque_per_stress.push(of_segments[k]);
     }
     Some(Twisted { radius: torsion.radius, torque_per_stress })
 }

@@ -4,8 +4,8 @@
 //! A piece has the exact mean area over its length, and all pieces of a segment have one length, so that waves that split at
 //! their joints meet again in points. At a step from area A to B a wave leaves the part (B - A)/(B + A) of its force behind.
 //! The number of pieces is at least the one that keeps this below a share r at every step, which bounds |A'/A| h by 2 r for
-//! pieces of length h; on a net a piece has a few cells. Against the true taper, forces and velocities of waves longer than the pieces are right to h^2; at a
-//! place inside a piece the stress is off by up to r, since it is the force over the piece's mean area.
+//! pieces of length h; on a net a piece has at most 32 cells. Against the true taper, forces and velocities of waves longer than
+//! the pieces are right to h^2; at a place inside a piece the stress is off by up to r, since it is the force over the piece's mean area.
 //!
 //! A staircase of an initial state has steps between the rows of its tables only, with the mean in each, and as many that none of them is
 //! larger than the same share r of the largest size of its quantity (of the larger of stress and Z v for both of these). Its mean distance
@@ -37,8 +37,8 @@ pub struct TaperDiscretization {
 /// Most pieces of a segment: events of front tracking grow with their square.
 pub const MOST_PIECES: usize = 2000;
 
-/// Cells of a piece on a net, unless it is short (with 8 the joints take more than half of the time): finer nets follow the taper more closely, and errors that are estimated from coarser ones
-/// hold that of the pieces.
+/// Cells of a piece on a net, unless it is short (with 8 the joints take more than half of the time): finer nets follow the taper more
+/// closely, and errors that are estimated from coarser ones hold that of the pieces.
 const CELLS_OF_A_PIECE: f64 = 32.0;
 
 /// What a step may reflect on a net; by front tracking, in parts of the front tolerance, and its bounds.

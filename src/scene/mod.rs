@@ -184,6 +184,13 @@ pub struct Torsion {
     pub levers: [f64; 2],
 }
 
+impl Torsion {
+    /// Torque over the stress at the surface of each segment, m^3.
+    pub fn torque_per_stress(&self) -> impl Iterator<Item = f64> {
+        self.polar.iter().map(|polar| polar / self.radius)
+    }
+}
+
 /// Numerical method and end time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solve {

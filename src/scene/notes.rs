@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{HardeningRule, Method, Rate, Scene};
-use crate::bar::{CONTACT_TIME, EndCondition, Initial, Joint, Segment};
+use crate::bar::{EndCondition, Initial, Joint, Segment};
 use crate::law::Table;
 use crate::law::rate::Overstress;
 
@@ -123,10 +123,8 @@ impl Scene {
         let note = |(side, end, at, k): (&str, &EndCondition, &Segment, usize)| {
             let EndCondition::Ball { mass, velocity, contact } = end else { return None };
             let closing = (velocity - at.end_velocities()[k]).abs();
-            // Up to the force of a fixed end, or that which stops the ball against a long bar.
-            let force = contact.force(contact.largest_approach(*mass, closing));
-            let most = at.material.impedance() * at.end_areas()[k] * closing;
-            let time = CONTACT_TIME * contact.approach(force.min(most)) / closing;
+            let impedance = at.material.impedance() * at.end_areas()[k];
+            let time = contact.time_under(contact.most_force(*mass, closing, impedance), closing);
             let steps = time / step;
             (steps < STEPS_OF_CONTACT).then(|| {
                 let needed = cells as f64 * STEPS_OF_CONTACT / steps;

@@ -9,6 +9,7 @@ use crate::cli::{output, quantity};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
+use crate::inputs;
 use crate::material::Curve;
 use crate::material::file::of_document;
 use crate::record::store::ResultFile;
@@ -163,6 +164,7 @@ pub(super) fn in_file(error: Error, path: &Path) -> Error {
 /// A result file with waves along a bar.
 pub(super) fn result_of_bar(path: &Path) -> Result<ResultFile> {
     let file = ResultFile::open(path)?;
+    inputs::protect(path);
     file.needs_bar()?;
     Ok(file)
 }

@@ -241,7 +241,7 @@ fn of_record(error: Error, imported: &[Imported]) -> Error {
 
 /// Other commands know a material file by its ending.
 fn is_material_file(path: &Path) -> Result<()> {
-    if destination::is_stdout(path) || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+    if output::has_ending(path, "toml") {
         return Ok(());
     }
     let error = InputError::new(format!("`{}` is not a name of a material file", path.display())).key("-o");
@@ -608,21 +608,16 @@ fn report(args: &Args, path: &Path, imported: &[Imported], changes: &[String], m
     text
 }
 
-/// A value in tenths, without the sign of a zero.
-fn tenths(value: f64) -> f64 {
-    (10.0 * value).round() / 10.0 + 0.0
-}
-
 /// What was found in a record and changed.
 fn reduced(r: &Reduction) -> String {
     const MPA: f64 = 1e6;
     let line = &r.line;
     let mut text = format!(
-        "  elastic line  {:.3} GPa +- {:.3} GPa, least squares between {:.1} and {:.1} MPa, {} rows (ASTM E111)\n",
+        "  elastic line  {:.3} GPa +- {:.3} GPa, least squares between {} and {} MPa, {} rows (ASTM E111)\n",
         line.slope / 1e9,
         line.error / 1e9,
-        tenths(line.between[0] / MPA),
-        tenths(line.between[1] / MPA),
+        output::fixed(Some(line.between[0] / MPA), 1),
+        output::fixed(Some(line.between[1] / MPA), 1),
         line.rows
     );
     let proof = r.proof_stress.map_or("none: the curve ends before".into(), |s| format!("{:.3} MPa", s / MPA));

@@ -88,10 +88,10 @@ fn end(records: &Records<'_>, bodies: &[Body], side: usize) -> Site {
         load: records.tally.ends[side],
         area: records.area(area),
         torque_per_stress: records.torque_per_stress(segment),
-        impulse: records.torsion.is_none().then(|| records.account.impulse[side] + 0.0),
+        impulse: (!records.is_twisted()).then(|| records.account.impulse[side] + 0.0),
         contact: contact(records, face),
         restitution: restitution(pair),
-        striker_after: records.strikers[side].and(outside).map(|motion| records.lever(side) * motion.after),
+        striker_after: records.strikers[side].and(outside).map(|motion| records.levers[side] * motion.after),
         bodies_after: after,
     }
 }
@@ -135,7 +135,7 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
 
 /// Impulse across the joint behind segment k on what is right of it, by the balance of momentum of what is left of it.
 fn impulse_across(records: &Records<'_>, k: usize) -> Option<f64> {
-    let known = records.torsion.is_none() && records.is_pushed_at_faces_only();
+    let known = !records.is_twisted() && records.is_pushed_at_faces_only();
     let gained = |(end, segment): (&SegmentEnd, &Segment)| end.momentum - end.mass * segment.velocity;
     let gained: f64 = records.segments.iter().zip(&records.bar.segments).take(k + 1).map(gained).sum();
     let across = records.account.impulse[0] - gained;
@@ -212,7 +212,7 @@ fn motion(records: &Records<'_>, body: &Body) -> Option<Motion> {
         None => is_free(records, body.faces[k]),
     };
     let touched = contacts.iter().flatten().any(|contact| contact.duration > 0.0);
-    let alone = records.is_pushed_at_faces_only() && records.torsion.is_none() && !records.broken;
+    let alone = records.is_pushed_at_faces_only() && !records.is_twisted() && !records.broken;
     (touched && alone && free(0) && free(1)).then_some(Motion { before: body.before, after: body.at_end })
 }
 
@@ -237,16 +237,16 @@ fn bodies(records: &Records<'_>) -> Vec<Body> {
 
 impl Records<'_> {
     fn area(&self, area: f64) -> Option<f64> {
-        (self.bar.area_given && self.torsion.is_none()).then_some(area)
+        (self.bar.area_given && !self.is_twisted()).then_some(area)
     }
 
     fn torque_per_stress(&self, segment: usize) -> Option<f64> {
-        self.torsion.map(|torsion| torsion.polar[segment] / torsion.radius)
+        self.torque_per_stress.as_ref().map(|all| all[segment])
     }
 
-    /// Velocity of a body at an end of its own over that with which it moves the surface there.
-    fn lever(&self, side: usize) -> f64 {
-        self.torsion.map_or(1.0, |torsion| torsion.levers[side])
+    /// Stresses are those of the surface.
+    pub(super) fn is_twisted(&self) -> bool {
+        self.torque_per_stress.is_some()
     }
 
     /// Nothing acts along the bar, but for rounding.

@@ -40,11 +40,11 @@ impl Records<'_> {
             energies.plastic + energies.heat + energies.viscoplastic + energies.concentrated + energies.fracture;
         let volume: f64 = self.bar.segments.iter().map(|segment| segment.area * segment.length).sum();
         let part = Part {
-            length: (bonded && self.torsion.is_none()).then(|| lengths(length, &end)),
+            length: (bonded && !self.is_twisted()).then(|| lengths(length, &end)),
             end,
             absorbed: self.bar.area_given.then_some(absorbed),
             // The strains of a twisted section differ from its surface's.
-            absorbed_per_volume: (self.torsion.is_none()).then(|| absorbed / volume),
+            absorbed_per_volume: (!self.is_twisted()).then(|| absorbed / volume),
         };
         let (name, description) = RESIDUAL_PROFILE;
         let profile = Some(Profile { name, description, values: self.residual_profile.to_vec() });
@@ -53,7 +53,7 @@ impl Records<'_> {
 
     fn segment(&self, k: usize) -> Group {
         let (end, length) = (self.segments[k], self.bar.segments[k].length);
-        let length = (self.torsion.is_none()).then(|| lengths(length, &end));
+        let length = (!self.is_twisted()).then(|| lengths(length, &end));
         let part = Part { length, end, absorbed: None, absorbed_per_volume: None };
         let number = (k + 1).to_string();
         group(&["segments", &number], &format!("segment {number}"), end.accumulated > 0.0, PART.figures(&part))

@@ -15,7 +15,7 @@ use serde::{Serialize, Serializer};
 
 pub use definitions::{Definition, definitions};
 pub use profile::ResidualProfile;
-pub use records::{Records, SegmentEnd, Surface};
+pub use records::{Records, SegmentEnd};
 pub use tally::{Extreme, Tally};
 
 use crate::units::Dimension;

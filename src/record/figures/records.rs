@@ -33,17 +33,6 @@ impl SegmentEnd {
     }
 }
 
-/// What surface quantities of a twisted bar stand for.
-#[derive(Debug, Clone, Copy)]
-pub struct Surface<'a> {
-    /// Its radius, m.
-    pub radius: f64,
-    /// Polar moment of each segment, m^4.
-    pub polar: &'a [f64],
-    /// Arms of levers at the ends over the radius; 1 where there are none.
-    pub levers: [f64; 2],
-}
-
 /// Everything that figures are computed from.
 #[derive(Debug)]
 pub struct Records<'a> {
@@ -51,8 +40,10 @@ pub struct Records<'a> {
     pub bar: &'a Bar,
     /// Its ends.
     pub ends: [&'a EndCondition; 2],
-    /// It is twisted: stresses are those of its surface.
-    pub torsion: Option<Surface<'a>>,
+    /// Of a bar that is twisted, whose stresses are those of its surface: torque over stress of each segment, m^3.
+    pub torque_per_stress: Option<Vec<f64>>,
+    /// Velocities of bodies at the ends of their own over those with which they move the bar there.
+    pub levers: [f64; 2],
     /// Names of the gauges.
     pub gauges: Vec<&'a str>,
     /// What the histories came to.

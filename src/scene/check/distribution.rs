@@ -137,7 +137,10 @@ impl Checker<'_> {
             (segment.velocity, segment.initial) = (profile.velocity.at(0.0), profile.beside(0.0, 1));
             return Ok(());
         }
-        segment.velocity = profile.velocity.mean_weighted(segment.length, |from, to| segment.mean_area(from, to));
+        segment.velocity = match &segment.taper {
+            Some(taper) => taper.mean_of(&profile.velocity),
+            None => profile.velocity.mean(0.0, segment.length),
+        };
         segment.initial = profile.mean(0.0, segment.length);
         segment.profile = Some(Arc::new(profile));
         Ok(())

@@ -53,9 +53,7 @@ pub(super) fn load(condition: &EndCondition, face: &Face) -> Load {
         EndCondition::Spring { .. } | EndCondition::Dashpot { .. } => (0.0, [0.0, rest]),
         EndCondition::Free | EndCondition::Absorbing => (0.0, [rest; 2]),
         EndCondition::Ball { mass, velocity, contact } => {
-            let closing = closing(*velocity);
-            let force = contact.force(contact.largest_approach(*mass, closing));
-            (force.min(face.impedance * closing) / face.area, [rest; 2])
+            (contact.most_force(*mass, closing(*velocity), face.impedance) / face.area, [rest; 2])
         }
     }
 }

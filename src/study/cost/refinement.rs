@@ -117,12 +117,9 @@ pub(super) fn refine(
         let mut leave = |why: String, expected| left.push(Left { family, resolution, expected, why });
         let remaining = until - runner.now();
         if time > remaining {
-            let why = format!(
-                "it would need about {}, and {} of the time for the points {} left",
-                seconds(time),
-                if remaining > 0.0 { seconds(remaining) } else { "nothing".to_owned() },
-                if remaining > 0.0 { "are" } else { "is" }
-            );
+            let (rest, are) = if remaining > 0.0 { (seconds(remaining), "are") } else { ("nothing".to_owned(), "is") };
+            let why =
+                format!("it would need about {}, and {rest} of the time for the points {are} left", seconds(time));
             leave(why, Some(time));
             refinement.done = true;
             continue;

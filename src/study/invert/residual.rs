@@ -272,7 +272,8 @@ struct Fronts {
     far: [f64; 2],
 }
 
-/// The state of a moving wire that arrived before the lowest level of its profile, as `[strain, stress, velocity]`.
+/// What has come before the lowest level of a profile, as `[strain, stress, velocity]`.
+#[derive(Clone, Copy)]
 struct Start {
     state: [f64; 3],
     /// What it adds to the bounds of stresses and velocities, low and high.
@@ -281,14 +282,19 @@ struct Start {
 }
 
 impl Start {
-    /// Of the yield stress, up to which strains travel with the elastic wave; or else of the strain at the far end of the profile, which has come
-    /// at least so far, at most with the elastic wave, and as fast as makes up for the impact `velocity` of which the other strains explain a part.
-    fn of(fronts: &Fronts, options: &Options, velocity: f64, explained: f64) -> Self {
+    /// The elastic wave alone, up to this strain.
+    fn elastic(strain: f64, options: &Options) -> Self {
         let c0 = (options.modulus / options.density).sqrt();
+        Self { state: [strain, options.modulus * strain, c0 * strain], stress: [0.0; 2], velocity: [0.0; 2] }
+    }
+
+    /// Of a wire whose end still moves: the yield stress, up to which strains travel with the elastic wave; or else the strain at the far end of the profile, which has come
+    /// at least so far, at most with the elastic wave, and as fast as makes up for the impact `velocity` of which the other strains explain a part.
+    fn moving(fronts: &Fronts, options: &Options, velocity: f64, explained: f64) -> Self {
         if let Some(stress) = options.yield_stress {
-            let strain = stress / options.modulus;
-            return Self { state: [strain, stress, c0 * strain], stress: [0.0; 2], velocity: [0.0; 2] };
+            return Self::elastic(stress / options.modulus, options);
         }
+        let c0 = (options.modulus / options.density).sqrt();
         let [strain, place] = fronts.far;
         let least = (place / options.time).min(c0);
         let speed = if strain > 0.0 { ((velocity - explained) / strain).clamp(least, c0) } else { least };
@@ -372,8 +378,7 @@ struct Evaluated {
     curve: Integrated,
     yield_stress: f64,
     velocity: f64,
-    /// Of a wire whose end still moves.
-    start: Option<Start>,
+    start: Start,
 }
 
 fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velocity: f64) -> Result<Evaluated> {
@@ -385,11 +390,11 @@ fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velo
         let slowest = speed[speed.len() - 1];
         let from = |start: [f64; 3]| integrate(options.density, &level, speed.clone(), start, Some(c0));
         let of_levels = from([Start::strain(fronts, options), 0.0, 0.0]).velocity[level.len() - 1] + slowest * above;
-        let start = Start::of(fronts, options, velocity, of_levels);
+        let start = Start::moving(fronts, options, velocity, of_levels);
         let curve = from(start.state);
         let velocity = curve.velocity[level.len() - 1] + slowest * above;
         let yield_stress = options.yield_stress.unwrap_or(f64::NAN);
-        return Ok(Evaluated { strain: level, curve, yield_stress, velocity, start: Some(start) });
+        return Ok(Evaluated { strain: level, curve, yield_stress, velocity, start });
     }
     let speed: Vec<f64> = kept.iter().map(|i| place(i) / (options.time + place(i) / c0)).collect();
     let slowest = speed[speed.len() - 1];
@@ -409,10 +414,10 @@ fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velo
         return Err(InputError::new(message).allowed("less than the impact velocity").help(help).into());
     }
     let strain: Vec<f64> = whole.iter().map(|e| e + yield_strain).collect();
-    let start = [yield_strain, options.modulus * yield_strain, c0 * yield_strain];
-    let curve = integrate(options.density, &strain, speed, start, Some(c0));
+    let start = Start::elastic(yield_strain, options);
+    let curve = integrate(options.density, &strain, speed, start.state, Some(c0));
     let velocity = curve.velocity[level.len() - 1] + slowest * above;
-    Ok(Evaluated { strain, curve, yield_stress: options.modulus * yield_strain, velocity, start: None })
+    Ok(Evaluated { strain, curve, yield_stress: options.modulus * yield_strain, velocity, start })
 }
 
 /// Strains past yield from plastic ones: d eps = d `eps_p`/(1 - (c/c0)^2).
@@ -457,23 +462,15 @@ fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &F
 /// stress, the largest strain has that velocity, and what the integral may miss is missing in the yield stress.
 fn between_levels(found: &Evaluated, options: &Options, from_velocity: bool) -> (Bounds, [f64; 2]) {
     let c0 = (options.modulus / options.density).sqrt();
-    let start = found.start.as_ref().map_or_else(
-        || {
-            let strain = found.yield_stress / options.modulus;
-            [strain, found.yield_stress, c0 * strain]
-        },
-        |start| start.state,
-    );
-    let mut all = bounds(options.density, &found.strain, &found.curve.speed, start, Some(c0));
-    if let Some(start) = &found.start {
-        let widen = |bounds: &mut [[f64; 2]], by: [f64; 2]| {
-            for bound in bounds {
-                *bound = [bound[0] + by[0], bound[1] + by[1]];
-            }
-        };
-        widen(&mut all.stress, start.stress);
-        widen(&mut all.velocity, start.velocity);
-    }
+    let Start { state, stress, velocity } = found.start;
+    let mut all = bounds(options.density, &found.strain, &found.curve.speed, state, Some(c0));
+    let widen = |bounds: &mut [[f64; 2]], by: [f64; 2]| {
+        for bound in bounds {
+            *bound = [bound[0] + by[0], bound[1] + by[1]];
+        }
+    };
+    widen(&mut all.stress, stress);
+    widen(&mut all.velocity, velocity);
     if !from_velocity {
         return (all, [found.yield_stress; 2]);
     }

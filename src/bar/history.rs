@@ -201,6 +201,20 @@ impl History {
         self.time[first..first + rows].windows(2).any(|pair| pair[0] == pair[1])
     }
 
+    /// Time up to which the value is within `drift` of `value` from `from` on, s; `from` where it is not then.
+    pub fn stays_near(&self, from: f64, value: f64, drift: f64) -> f64 {
+        let is_near = |other: f64| (other - value).abs() <= drift;
+        if !is_near(self.at(from)) {
+            return from;
+        }
+        let next = self.time.partition_point(|&row| row <= from);
+        let Some(k) = (next..self.time.len()).find(|&k| !is_near(self.value[k])) else { return f64::INFINITY };
+        let (t, v) = if k == next { (from, self.at(from)) } else { (self.time[k - 1], self.value[k - 1]) };
+        // On the straight line from the row before.
+        let part = (drift - (v - value).abs()) / (self.value[k] - v).abs();
+        t + (self.time[k] - t) * part.clamp(0.0, 1.0)
+    }
+
     /// The value rises from 0 and never jumps.
     pub fn is_continuous(&self) -> bool {
         self.value[0] == 0.0 && !self.jumps_between(0.0, f64::INFINITY)

@@ -98,7 +98,7 @@ pub struct InitialFan {
 const STEADY: f64 = 0.02;
 
 /// Part of it up to which [`InitialFan::relief`] follows how it falls.
-const FOLLOWED: f64 = 0.2;
+const FOLLOWED: f64 = 0.6;
 
 impl InitialFan {
     /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
@@ -270,6 +270,15 @@ pub(crate) fn drives_at_start(end: &EndCondition, direction: f64, at: &Segment) 
     Imposed::at_first(at, end, direction).map(|imposed| (imposed.driver, imposed.holds_until))
 }
 
+/// Until when what an end imposes stays as it is just after `from` (s), where a fan starts that brings these changes of velocity (m/s) and stress (Pa).
+pub(crate) fn imposes_until(end: &EndCondition, from: f64, [velocity, stress]: [f64; 2]) -> f64 {
+    match end {
+        EndCondition::Velocity { history, .. } => history.stays_near(from, history.at(from), DRIFT * velocity),
+        EndCondition::Stress { history } => history.stays_near(from, history.at(from), DRIFT * stress),
+        _ => f64::INFINITY,
+    }
+}
+
 pub(super) fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
     of_end(Imposed::at_most(at, end, origin.direction())?, origin, x, segment, at)
 }
@@ -347,7 +356,7 @@ impl Imposed {
         let value = history.at(0.0);
         Some(Self {
             sudden: history.is_constant(),
-            holds_until: holds_until(history, value, DRIFT * (value - rest).abs()).min(released),
+            holds_until: history.stays_near(0.0, value, DRIFT * (value - rest).abs()).min(released),
             ..Self::steady(driver, value - rest)
         })
     }
@@ -362,7 +371,7 @@ impl Imposed {
                 change: peak,
                 sudden: history.is_constant(),
                 loads_until: until.min(released),
-                holds_until: holds_until(history, rest + peak, rounding).min(released),
+                holds_until: history.stays_near(0.0, rest + peak, rounding).min(released),
             });
         }
         let (rest, area) = (at.velocity, at.end_areas()[usize::from(direction < 0.0)]);
@@ -427,23 +436,6 @@ fn peak(history: &super::History, rest: f64) -> (f64, f64) {
 
 /// Part of a velocity within which it is another one to rounding.
 const ROUND_OFF: f64 = 1e-14;
-
-/// Time up to which a history is within `drift` of this `value` from t = 0 on, s.
-fn holds_until(history: &super::History, value: f64, drift: f64) -> f64 {
-    let is_there = |other: f64| (other - value).abs() <= drift;
-    if !is_there(history.at(0.0)) {
-        return 0.0;
-    }
-    let start = history.time().partition_point(|&time| time <= 0.0).max(1) - 1;
-    let (time, values) = (history.time(), history.value());
-    let Some(k) = (start..time.len()).find(|&k| !is_there(values[k])) else { return f64::INFINITY };
-    if k == start {
-        return time[k];
-    }
-    // On the straight line from the row before.
-    let part = (drift - (values[k - 1] - value).abs()) / (values[k] - values[k - 1]).abs();
-    time[k - 1] + (time[k] - time[k - 1]) * part.clamp(0.0, 1.0)
-}
 
 /// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.
 fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialFan> {

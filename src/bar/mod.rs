@@ -20,7 +20,7 @@ pub use hertz::Hertz;
 pub use history::{History, RowFault};
 pub use initial::{Distribution, Initial, InitialProfile};
 pub use initial_fan::{Driver, InitialFan, Origin, START_CELLS, first_fans, initial_fans, starting_fans};
-pub(crate) use initial_fan::{acts_without_fan, drives_at_start};
+pub(crate) use initial_fan::{acts_without_fan, drives_at_start, imposes_until};
 pub use joint::Joint;
 pub use spring_wave::{at_spring, spring_waves};
 pub use sudden_load::SuddenLoad;

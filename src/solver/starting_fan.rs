@@ -48,6 +48,8 @@ pub struct StartingFan {
     pub driver: Driver,
     /// Velocity that this end has lost since it started, m/s, in +x.
     pub slowed: f64,
+    /// How far its end had moved at its start, m, where that follows from a stress.
+    pub placed: f64,
     /// Momentum that schemes owe for both sides of its joint, N s in +x.
     pub owed: f64,
     /// Only the node where it starts is made to move as the fan does.
@@ -114,6 +116,7 @@ impl StartingFan {
             at_joint,
             driver: initial_fan.driver,
             slowed: 0.0,
+            placed: 0.0,
             owed: 0.0,
             only_origin: false,
             segment: initial_fan.segment,
@@ -162,10 +165,10 @@ impl StartingFan {
         self.fronts.last().is_some_and(|front| front.delay > 0.0)
     }
 
-    /// How far its origin has moved within `time` (s) of its start, m.
+    /// How far its origin has moved within `time` (s) of its start, m; less than 0: how far it will have, as it moves before.
     pub fn moved(&self, time: f64) -> f64 {
         if !self.grows() {
-            return self.velocity_behind * time;
+            return if time < 0.0 { self.velocity_ahead() } else { self.velocity_behind } * time;
         }
         let behind = self.fronts.iter().skip(1).map(|front| front.ahead[0]).chain([self.velocity_behind]);
         let since = |(front, behind): (&Front, f64)| (behind - front.ahead[0]) * (time - front.delay).max(0.0);
@@ -192,6 +195,11 @@ impl StartingFan {
         self.steps = self.steps.min(step + 1);
     }
 
+    /// This is the first step at the end of which it is imposed.
+    pub fn begins_at(&self, step: usize) -> bool {
+        step == self.first
+    }
+
     /// This is the last step at the end of which it is imposed.
     pub fn ends_at(&self, step: usize) -> bool {
         step + 1 == self.steps
@@ -202,7 +210,7 @@ impl StartingFan {
         let part = (step + 1) as f64 - self.from / dt;
         let (ahead, behind) = (self.fronts[0].ahead, [self.velocity_behind, self.stress]);
         let mean = [0, 1].map(|i| ahead[i] + part * (behind[i] - ahead[i]));
-        (!self.by_wave && self.from > 0.0 && step == self.first && self.first < self.steps).then_some(mean)
+        (!self.by_wave && self.from > 0.0 && self.begins_at(step) && self.first < self.steps).then_some(mean)
     }
 
     /// The first step, this one or a later one, at the end of which one of these is imposed.

@@ -153,11 +153,14 @@ impl Leapfrog {
         let Imposed { mut impulse, mut energy, .. } = self.impose(fan, 0.0);
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
         if fan.driver == Driver::Stress {
+            if fan.from > 0.0 && fan.begins_at(self.step) {
+                fan.placed = end.displacement() - fan.moved(time);
+            }
             // In the first step it moved as if the bar stayed elastic. It makes up for that, where no viscosity would make a shock of it.
             let change = if fan.only_origin {
                 fan.velocity_behind - end.velocity_after()
             } else {
-                (fan.moved(time + dt) - end.displacement_ahead()) / dt
+                (fan.placed + fan.moved(time + dt) - end.displacement_ahead()) / dt
             };
             impulse += end.mass() * change;
             energy += end.impose(change);

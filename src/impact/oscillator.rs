@@ -41,6 +41,43 @@ impl Oscillator {
         self.q.hypot(self.v / self.omega)
     }
 
+    /// In free motion a time t >= 0 later.
+    pub(super) fn after(&self, t: f64) -> Self {
+        let mut then = *self;
+        if self.q != 0.0 || self.v != 0.0 {
+            let [cosine, sine] = decay(self.omega, self.delta, t);
+            then.advance(&[cosine - self.delta * sine, sine, 0.0, 0.0, 0.0, 0.0], &[0.0; TERMS]);
+        }
+        then
+    }
+
+    /// Bounds of the magnitudes of q'' and v'' in free motion from here on.
+    pub(super) fn bend(&self) -> Self {
+        let [q, v] = if self.is_aperiodic() {
+            let [slow, fast] = self.exponents();
+            let parts = [(self.v + fast * self.q, slow), (self.v + slow * self.q, fast)];
+            [2, 3].map(|power| parts.iter().map(|(a, rate)| a.abs() * rate.powi(power)).sum::<f64>() / (fast - slow))
+        } else {
+            // The energy only falls, and q' obeys the equation of q.
+            let (stiffness, damping) = (self.omega * self.omega, 2.0 * self.delta);
+            let speed = (self.v * self.v + stiffness * self.q * self.q).sqrt();
+            let acceleration = (stiffness + damping * damping).sqrt() * speed;
+            [acceleration, stiffness * speed + damping * acceleration]
+        };
+        Self { q, v, ..*self }
+    }
+
+    /// Two real exponents, well apart.
+    fn is_aperiodic(&self) -> bool {
+        self.delta > 1.2 * self.omega
+    }
+
+    /// Minus the two exponents of aperiodic motion, 1/s.
+    fn exponents(&self) -> [f64; 2] {
+        let fast = self.delta + ((self.delta - self.omega) * (self.delta + self.omega)).sqrt();
+        [self.omega * self.omega / fast, fast]
+    }
+
     /// Displacement after the time of a kernel without a force.
     pub(super) fn coasted(&self, kernel: &Kernel) -> f64 {
         self.q * (kernel[0] + 2.0 * self.delta * kernel[1]) + self.v * kernel[1]
@@ -61,7 +98,7 @@ impl Oscillator {
         if x.max(y) < 1.5 {
             return series(x, y, t);
         }
-        if self.delta > 1.2 * self.omega {
+        if self.is_aperiodic() {
             return self.aperiodic(t);
         }
         let [cosine, sine] = decay(self.omega, self.delta, t);
@@ -76,16 +113,14 @@ impl Oscillator {
         kernel
     }
 
-    /// Two real exponents, well apart.
     fn aperiodic(&self, t: f64) -> Kernel {
-        let kappa = ((self.delta - self.omega) * (self.delta + self.omega)).sqrt();
-        let fast = self.delta + kappa;
-        let slow = self.omega * self.omega / fast;
+        let [slow, fast] = self.exponents();
+        let apart = fast - slow;
         let (a, b) = (phi(-slow * t), phi(-fast * t));
-        let mut kernel = [(fast * b[0] - slow * a[0]) / (2.0 * kappa), 0.0, 0.0, 0.0, 0.0, 0.0];
+        let mut kernel = [(fast * b[0] - slow * a[0]) / apart, 0.0, 0.0, 0.0, 0.0, 0.0];
         let mut power = 1.0;
         for k in 0..=TERMS {
-            kernel[k + 1] = power * (a[k] - b[k]) / (2.0 * kappa);
+            kernel[k + 1] = power * (a[k] - b[k]) / apart;
             power *= t;
         }
         kernel

@@ -68,7 +68,7 @@ fn signals_end_an_impact_in_order() {
         let child = Command::new(env!("CARGO_BIN_EXE_barwave"))
             .current_dir(folder.path())
             .args(["run", &scene.display().to_string(), "-o", "r.h5"])
-            .args(["--set", "solve.modes=5000", "--set", "solve.until=\"100 ms\""])
+            .args(["--set", "solve.modes=10000", "--set", "solve.until=\"100 ms\""])
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()

@@ -33,6 +33,12 @@ impl HalfSine {
         if t < self.duration { 0.5 * self.impulse * rate * (rate * t).sin() } else { 0.0 }
     }
 
+    /// A mode at rest at t = 0 under the pulse.
+    pub fn drives(&self, (mode, pulse): &(Oscillator, Pulse), time: f64) -> Oscillator {
+        let [q, v] = pulse.at(time).map(|value| self.impulse * mode.shape / mode.mass * value);
+        Oscillator { q, v, ..*mode }
+    }
+
     pub fn peak(&self) -> f64 {
         0.5 * PI * self.impulse / self.duration
     }

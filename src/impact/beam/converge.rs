@@ -38,8 +38,9 @@ impl Level {
         let own = |value: f64| [value, value];
         let last = self.observer.contact.column("striker_velocity").last().copied().unwrap_or(velocity);
         let mut results = vec![own(first.peak_force), own(first.end), [last, velocity]];
-        for name in ["deflection", "strain"] {
-            let extremes: Vec<f64> = self.observer.readings.iter().map(|table| largest(table, name)).collect();
+        for reading in [0, 2] {
+            let gauges = 0..self.observer.readings.len();
+            let extremes: Vec<f64> = gauges.map(|gauge| self.observer.largest(gauge, reading)).collect();
             // A gauge that hardly moves is as close as the others, not closer.
             let scale = extremes.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
             results.extend(extremes.into_iter().map(|value| [value, scale]));
@@ -56,23 +57,6 @@ impl Level {
         let pairs = self.results(velocity).into_iter().zip(finer.results(velocity));
         pairs.map(|(a, b)| if b[1] == 0.0 { 0.0 } else { ((a[0] - b[0]) / b[1]).abs() }).fold(0.0, f64::max)
     }
-}
-
-/// The value of largest magnitude of a column over time: the vertex of the parabola through the largest sample and its neighbours.
-fn largest(table: &Table, column: &str) -> f64 {
-    let (time, values) = (table.column("time"), table.column(column));
-    let Some(i) = (0..values.len()).max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs())) else { return 0.0 };
-    if i == 0 || i + 1 == values.len() {
-        return values[i];
-    }
-    let (before, after) = (time[i - 1] - time[i], time[i + 1] - time[i]);
-    let (low, high) = (values[i - 1] - values[i], values[i + 1] - values[i]);
-    // slope t + bend t^2 through both neighbours.
-    let bend = (high / after - low / before) / (after - before);
-    let slope = high / after - bend * after;
-    let vertex = -0.5 * slope / bend;
-    // Outside its three samples the parabola says nothing; with equal samples the vertex is no number.
-    if (before..=after).contains(&vertex) { values[i] + 0.5 * slope * vertex } else { values[i] }
 }
 
 impl Beam {
@@ -157,10 +141,10 @@ impl Beam {
             let values = [(error, Plain), (self.tolerance, Plain)];
             solution.lines.push(Line::new("error", "{} from half the modes, tolerance {}", &values));
         }
-        self.extremes(&mut solution, &observer.readings);
+        self.extremes(&mut solution, &observer);
         super::super::account(&mut solution, &observer.ledger, &history);
         self.warn(&mut solution, &history, error);
-        solution.warnings.extend(self.bends_beyond_yield(observer.strain));
+        solution.warnings.extend(self.bends_beyond_yield(observer.strain()));
         solution.shapes = (!observer.shapes.time.is_empty()).then_some(observer.shapes);
         let tables = vec![observer.contact, contacts_table(&history), observer.ledger, self.modes_table(modes)];
         solution.tables = [tables, observer.readings].concat();
@@ -231,9 +215,9 @@ impl Beam {
         impulse / (self.striker.mass * self.striker.velocity) - 1.0
     }
 
-    fn extremes(&self, solution: &mut Solution, readings: &[Table]) {
-        for (table, (name, _)) in readings.iter().zip(&self.gauges) {
-            let [w, m, e] = ["deflection", "moment", "strain"].map(|column| largest(table, column));
+    fn extremes(&self, solution: &mut Solution, observer: &Observer) {
+        for (gauge, (name, _)) in self.gauges.iter().enumerate() {
+            let [w, m, e] = [0, 1, 2].map(|reading| observer.largest(gauge, reading));
             let text = format!("{}: largest deflection {{}}, moment {{}}, strain {{}}", name.replace(['{', '}'], ""));
             let values = [(w, Length), (m, Torque), (e, Plain)];
             solution.lines.push(Line::new("gauge", text, &values));

@@ -2,6 +2,7 @@
 
 mod approximation;
 mod converge;
+mod extremes;
 mod observe;
 mod shape;
 
@@ -152,7 +153,12 @@ impl Beam {
 impl Beam {
     /// Time steps of one integration up to its earliest end, about: those of free flight.
     pub fn expected_steps(&self) -> f64 {
-        self.ends()[0] * Horizon::COARSEST / self.contact_time()
+        (self.ends()[0] / self.finest()).min(Horizon::ROWS)
+    }
+
+    /// Finest step of free flight, s.
+    fn finest(&self) -> f64 {
+        self.contact_time() / Horizon::COARSEST
     }
 
     /// Bytes of its histories, about.

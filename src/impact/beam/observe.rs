@@ -2,6 +2,7 @@
 
 use super::Beam;
 use super::approximation::HalfSine;
+use super::extremes::Extremes;
 use super::shape::Place;
 use crate::bar::Hertz;
 use crate::impact::contact::Moment;
@@ -13,11 +14,16 @@ use crate::units::Dimension::{Force, Length, None as Plain, Torque, Velocity};
 /// Places of the deflected shapes.
 const PLACES: usize = 101;
 
+/// Columns of what is read at a gauge.
+const READINGS: [&str; 3] = ["deflection", "moment", "strain"];
+
 /// All histories so far.
 pub(super) struct Observer {
     law: Hertz,
     pulse: HalfSine,
     pulses: Vec<(Oscillator, Pulse)>,
+    /// The modes when the half-sine pulse ends.
+    pulsed: Vec<Oscillator>,
     struck: Place,
     gauges: Vec<Place>,
     line: Vec<Place>,
@@ -26,8 +32,9 @@ pub(super) struct Observer {
     shape_every: f64,
     shape_due: f64,
     start: f64,
-    /// Largest strain of bending at the impact and at the gauges.
-    pub strain: f64,
+    /// At the gauges, and at the impact where it is known when the beam yields.
+    extremes: Extremes,
+    finest: f64,
     pub contact: Table,
     pub ledger: Table,
     pub readings: Vec<Table>,
@@ -74,22 +81,51 @@ pub(super) fn columns(gauges: usize) -> usize {
     contact_table().columns.len() + ledger_table().columns.len() + gauges * gauge_table("", 0.0).columns.len()
 }
 
+/// The value of largest magnitude of a column over time: the vertex of the parabola through the largest sample and its neighbours, where these
+/// are not farther than the finest steps of free flight.
+fn vertex(table: &Table, column: &str, finest: f64) -> f64 {
+    let (time, values) = (table.column("time"), table.column(column));
+    let Some(i) = (0..values.len()).max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs())) else { return 0.0 };
+    if i == 0 || i + 1 == values.len() {
+        return values[i];
+    }
+    let (before, after) = (time[i - 1] - time[i], time[i + 1] - time[i]);
+    if after - before > 2.001 * finest {
+        return values[i];
+    }
+    let (low, high) = (values[i - 1] - values[i], values[i + 1] - values[i]);
+    // slope t + bend t^2 through both neighbours.
+    let bend = (high / after - low / before) / (after - before);
+    let slope = high / after - bend * after;
+    let vertex = -0.5 * slope / bend;
+    // Outside its three samples the parabola says nothing; with equal samples the vertex is no number.
+    if (before..=after).contains(&vertex) { values[i] + 0.5 * slope * vertex } else { values[i] }
+}
+
 impl Observer {
     pub fn new(beam: &Beam, count: usize, pulse: HalfSine, end: f64) -> Self {
         let x: Vec<f64> = (0..PLACES).map(|i| beam.length * i as f64 / (PLACES - 1) as f64).collect();
         let line = if beam.shapes == 0 { Vec::new() } else { x.iter().map(|&x| beam.place(x, count)).collect() };
+        let pulses = if beam.gauges.is_empty() { Vec::new() } else { beam.pulses(&pulse, count) };
+        let struck = beam.place(beam.at, count);
+        let gauges: Vec<Place> = beam.gauges.iter().map(|(_, x)| beam.place(*x, count)).collect();
+        let mut places = gauges.clone();
+        places.extend(beam.elastic.yield_stress.map(|_| struck.clone()));
+        let finest = beam.finest();
         Self {
             law: beam.contact(),
             pulse,
-            pulses: if beam.gauges.is_empty() { Vec::new() } else { beam.pulses(&pulse, count) },
-            struck: beam.place(beam.at, count),
-            gauges: beam.gauges.iter().map(|(_, x)| beam.place(*x, count)).collect(),
+            pulsed: pulses.iter().map(|driven| pulse.drives(driven, pulse.duration)).collect(),
+            pulses,
+            struck,
+            gauges,
             line,
             asked: (beam.shapes > 0).then_some(beam.shapes),
             shape_every: end / beam.shapes.max(1) as f64,
             shape_due: end / beam.shapes.max(1) as f64,
             start: 0.5 * beam.striker.mass * beam.striker.velocity.powi(2),
-            strain: 0.0,
+            extremes: Extremes::new(&places, finest / 64.0),
+            finest,
             contact: contact_table(),
             ledger: ledger_table(),
             readings: beam.gauges.iter().map(|(name, x)| gauge_table(name, *x)).collect(),
@@ -100,10 +136,10 @@ impl Observer {
     pub fn look(&mut self, moment: &Moment<'_>) {
         let Some((striker, modes)) = moment.system.modes.split_first() else { return };
         let (time, force) = (moment.time, moment.force);
-        let [deflection, _, strain] = self.struck.read(modes, force);
-        self.strain = self.strain.max(strain.abs());
+        let [deflection, ..] = self.struck.read(modes, force);
         let half_sine = self.pulse.force(time);
         self.contact.push(&[time, force, half_sine, moment.approach, striker.q, deflection, striker.v]);
+        self.extremes.look(modes, force, moment.flown);
         self.balance(moment, striker, modes);
         self.gauge(time, force, modes);
         self.shape(time, force, modes);
@@ -134,21 +170,29 @@ impl Observer {
     }
 
     fn gauge(&mut self, time: f64, force: f64, modes: &[Oscillator]) {
-        let impulse = self.pulse.impulse;
-        let driven: Vec<Oscillator> = self
-            .pulses
-            .iter()
-            .map(|(mode, pulse)| {
-                let [q, v] = pulse.at(time).map(|value| impulse * mode.shape / mode.mass * value);
-                Oscillator { q, v, ..*mode }
-            })
-            .collect();
+        let since = time - self.pulse.duration;
+        let driven: Vec<Oscillator> = if since > 0.0 {
+            self.pulsed.iter().map(|mode| mode.after(since)).collect()
+        } else {
+            self.pulses.iter().map(|driven| self.pulse.drives(driven, time)).collect()
+        };
         let half_sine = self.pulse.force(time);
         for (place, table) in self.gauges.iter().zip(&mut self.readings) {
             let [w, m, e] = place.read(modes, force);
             let [ws, ms, es] = place.read(&driven, half_sine);
             table.push(&[time, w, m, e, ws, ms, es]);
-            self.strain = self.strain.max(e.abs());
         }
+    }
+
+    /// The reading of largest magnitude at a gauge; in contact, of the parabola through the largest row and its neighbours.
+    pub fn largest(&self, gauge: usize, reading: usize) -> f64 {
+        let (vertex, value) =
+            (vertex(&self.readings[gauge], READINGS[reading], self.finest), self.extremes.values[gauge][reading]);
+        if vertex.abs() > value.abs() { vertex } else { value }
+    }
+
+    /// Largest strain of bending at the gauges, and at the impact where it is known when the beam yields.
+    pub fn strain(&self) -> f64 {
+        self.extremes.values.iter().fold(0.0, |most, value| most.max(value[2].abs()))
     }
 }

@@ -54,6 +54,11 @@ impl Beam {
 }
 
 impl Place {
+    /// With the magnitudes of its factors.
+    pub fn magnitude(&self) -> Self {
+        Self { modes: self.modes.iter().map(|factors| factors.map(f64::abs)).collect(), ..self.clone() }
+    }
+
     /// From the modes' displacements and velocities, and the contact force, N.
     pub fn read(&self, modes: &[Oscillator], force: f64) -> Readings {
         let (mut deflection, mut curvature, mut rate) = (0.0, 0.0, 0.0);

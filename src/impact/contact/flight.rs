@@ -1,12 +1,14 @@
-//! Free flight between two contacts.
+//! Free flight between two contacts: the motion is known in closed form, and so is when the bodies meet again.
 
 use std::ops::ControlFlow;
 use std::rc::Rc;
 
-use super::cubic::LOOKS;
-use super::{Contact, Horizon, Moment};
+use super::{Contact, Horizon, Moment, System};
 use crate::impact::oscillator::TERMS;
 use crate::root::bisect;
+
+/// Over the step of free flight: a penetration that is over sooner is not looked for.
+const RESOLUTION: f64 = 1e-6;
 
 impl Contact {
     /// From a separation to the next touch; true where there is none to come.
@@ -15,44 +17,61 @@ impl Contact {
         horizon: Horizon,
         look: &mut impl FnMut(Moment<'_>) -> ControlFlow<()>,
     ) -> ControlFlow<(), bool> {
-        let none = [0.0; TERMS];
-        // The first look after a separation is at a gap that has opened.
-        let mut opened = false;
+        let meets = self.system.meets(self.longest, horizon.most - self.time).map(|after| self.time + after);
+        let doublings = (horizon.least / (Horizon::ROWS * self.longest)).log2().ceil().max(0.0) as i32;
+        let row = self.of_level(-doublings);
         while self.time < horizon.most {
-            let separated = self.system.has_separated();
-            if separated && self.time >= horizon.least {
+            if self.time >= horizon.least && self.system.has_separated() {
                 return ControlFlow::Continue(true);
             }
-            let mut step = self.of_level(0);
-            if self.time + step.dt > horizon.most {
-                step = Rc::new(self.system.step(horizon.most - self.time));
-            }
-            let ahead = self.system.coasted(&step);
-            let order = [0, 3, 1, 2];
-            let met = order.into_iter().find(|&i| ahead[i] >= 0.0 && (opened || self.opens_before(LOOKS[i] * step.dt)));
-            if let Some(i) = met.filter(|_| !separated) {
-                let from = if opened { 0.0 } else { self.opening(LOOKS[i] * step.dt) };
-                let apart = |dt: f64| self.system.coasted(&self.system.step(dt))[2] < 0.0;
-                let dt = bisect([from, LOOKS[i] * step.dt], 1e-14 * step.dt, apart);
-                let step = self.system.step(dt);
-                self.take(&step, &none);
-                self.show(look)?;
+            let left = meets.unwrap_or(horizon.most) - self.time;
+            let last = left <= row.dt;
+            let step = if last { Rc::new(self.system.step(left)) } else { row.clone() };
+            self.take(&step, &[0.0; TERMS]);
+            self.show(step.dt, look)?;
+            if last && meets.is_some() {
                 return ControlFlow::Continue(false);
             }
-            self.take(&step, &none);
-            self.show(look)?;
-            opened = true;
         }
         ControlFlow::Continue(self.system.has_separated())
     }
+}
 
-    /// Where the gap is open between now and then.
-    fn opening(&self, then: f64) -> f64 {
-        let parts = (1..64).map(|i| then * f64::from(i) / 64.0);
-        parts.into_iter().find(|&dt| self.system.coasted(&self.system.step(dt))[2] < 0.0).unwrap_or(0.0)
+impl System {
+    /// When the bodies touch again in free motion, s; none: not within a time. From one moment to the next go as long as they cannot.
+    fn meets(&self, longest: f64, within: f64) -> Option<f64> {
+        let (mut time, mut now) = (0.0, self.clone());
+        loop {
+            let then = time + now.apart_for().max(RESOLUTION * longest);
+            if then >= within || now.has_separated() {
+                return None;
+            }
+            now = self.after(then);
+            if now.approach(0.0) >= 0.0 && now.closing() > 0.0 {
+                let apart = |time: f64| self.after(time).approach(0.0) < 0.0;
+                return Some(bisect([time, then], 1e-14 * longest, apart));
+            }
+            time = then;
+        }
     }
 
-    fn opens_before(&self, then: f64) -> bool {
-        self.opening(then) > 0.0
+    /// In free motion a time later.
+    fn after(&self, time: f64) -> Self {
+        Self { modes: self.modes.iter().map(|mode| mode.after(time)).collect(), ..*self }
+    }
+
+    /// So long the bodies cannot touch in free motion, s: the acceleration of the approach has a bound.
+    fn apart_for(&self) -> f64 {
+        let (gap, closing) = ((-self.approach(0.0)).max(0.0), self.closing());
+        let most: f64 = self.modes.iter().map(|mode| mode.shape.abs() * mode.bend().q).sum();
+        // gap = closing t + most t^2/2.
+        let root = (closing * closing + 2.0 * most * gap).sqrt();
+        if closing > 0.0 {
+            2.0 * gap / (closing + root)
+        } else if most > 0.0 {
+            (root - closing) / most
+        } else {
+            f64::INFINITY
+        }
     }
 }

@@ -65,6 +65,8 @@ pub struct Moment<'a> {
     pub time: f64,
     /// N.
     pub force: f64,
+    /// Of the free motion since the last look, s; 0 in contact.
+    pub flown: f64,
     /// m; negative where the bodies are apart.
     pub approach: f64,
     /// All bodies.
@@ -87,6 +89,8 @@ pub struct Horizon {
 impl Horizon {
     /// A step of free flight is the Hertz duration over this: what elastic bodies do is read at the ends of steps.
     pub const COARSEST: f64 = 128.0;
+    /// Steps of free flight up to the earliest end, at most: they are doubled until there are no more.
+    pub const ROWS: f64 = 4096.0;
     /// Doublings where nothing but the contact is looked at: steps of up to a quarter of it.
     pub const CONTACT_ALONE: i32 = 5;
 }
@@ -151,7 +155,7 @@ impl Contact {
         touches: &mut Vec<Touch>,
         look: &mut impl FnMut(Moment<'_>) -> ControlFlow<()>,
     ) -> ControlFlow<(), bool> {
-        self.show(look)?;
+        self.show(0.0, look)?;
         while self.time < horizon.most {
             let mut touch = Touch::at(self.time);
             let flow = self.touch(&mut touch, horizon, look);
@@ -164,9 +168,9 @@ impl Contact {
         ControlFlow::Continue(false)
     }
 
-    fn show(&self, look: &mut impl FnMut(Moment<'_>) -> ControlFlow<()>) -> ControlFlow<()> {
+    fn show(&self, flown: f64, look: &mut impl FnMut(Moment<'_>) -> ControlFlow<()>) -> ControlFlow<()> {
         let approach = self.system.approach(self.force);
-        look(Moment { time: self.time, force: self.force, approach, system: &self.system })
+        look(Moment { time: self.time, force: self.force, flown, approach, system: &self.system })
     }
 
     /// The step of free flight halved so often; doubled for negative numbers.
@@ -195,7 +199,7 @@ impl Contact {
             self.taken[1] += 1;
             touch.end = self.time;
             touch.ended = ended;
-            self.show(look)?;
+            self.show(0.0, look)?;
             if ended {
                 self.force = 0.0;
                 break;

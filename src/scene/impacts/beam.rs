@@ -95,9 +95,6 @@ pub struct RawBeamRecord {
     pub shapes: Or<Count<0, 1000>, 8>,
 }
 
-const GIB: f64 = 1_073_741_824.0;
-/// Most bytes of histories.
-const MOST_BYTES: f64 = 4.0 * GIB;
 /// Most modes that a scene can ask for.
 const MOST_MODES: usize = 10_000;
 
@@ -126,7 +123,6 @@ pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
         modes: checker.si(&raw.solve.modes)?,
     };
     checker.sphere_fits(&beam, striker)?;
-    checker.histories_fit(&beam, &raw)?;
     let resolved = resolved(&beam);
     let materials = [one, two].into_iter().flatten().collect();
     Ok(Parts { title: raw.title, problem: Arc::new(beam), materials, resolved })
@@ -197,21 +193,6 @@ impl Checker<'_> {
                 .into());
         }
         Ok(foundation)
-    }
-
-    /// The histories of two integrations are in memory at a time.
-    fn histories_fit(&self, beam: &Beam, raw: &RawBeamScene) -> Result<()> {
-        let bytes = beam.expected_bytes();
-        if bytes <= MOST_BYTES {
-            return Ok(());
-        }
-        let end = raw.solve.until.as_ref();
-        let message =
-            format!("histories of about {:.1e} time steps need {:.1} GiB", beam.expected_steps(), bytes / GIB);
-        let (span, key) = end.map_or((raw.beam.span(), "beam.length"), |until| (until.span(), "solve.until"));
-        let error = self.error(span, key, message).allowed(format!("at most {:.0} GiB", MOST_BYTES / GIB));
-        let help = "the steps are 1/128 of the contact time; give `solve.until` a shorter time, or record fewer gauges";
-        Err(error.help(help).into())
     }
 
     /// A contact wider than the section, or a sphere longer than the beam, is no contact at a point.

@@ -1,0 +1,72 @@
+//! The largest readings at places of a beam; those of free motion between two looks are found in closed form.
+
+use super::shape::{Place, Readings};
+use crate::impact::oscillator::Oscillator;
+
+/// What is not worth a search, over the largest reading of all places.
+const NEGLIGIBLE: f64 = 1e-8;
+
+/// The readings of largest magnitude so far.
+pub(super) struct Extremes {
+    /// Each with its factors, and with their magnitudes.
+    places: Vec<[Place; 2]>,
+    pub values: Vec<Readings>,
+    /// The modes and the readings at the last look.
+    before: (Vec<Oscillator>, Vec<Readings>),
+    /// Free motion is not divided further, s.
+    shortest: f64,
+}
+
+impl Extremes {
+    pub fn new(places: &[Place], shortest: f64) -> Self {
+        let places: Vec<[Place; 2]> = places.iter().map(|place| [place.clone(), place.magnitude()]).collect();
+        Self { values: vec![[0.0; 3]; places.len()], places, before: Default::default(), shortest }
+    }
+
+    /// After free motion over a time, s; 0: the bodies were in contact.
+    pub fn look(&mut self, modes: &[Oscillator], force: f64, flown: f64) {
+        if self.places.is_empty() {
+            return;
+        }
+        let now = self.keep(modes, force);
+        let (mut then, readings) = std::mem::take(&mut self.before);
+        if flown > 0.0 {
+            self.search(&then, [&readings, &now], flown);
+        }
+        then.clear();
+        then.extend_from_slice(modes);
+        self.before = (then, now);
+    }
+
+    fn keep(&mut self, modes: &[Oscillator], force: f64) -> Vec<Readings> {
+        let now: Vec<Readings> = self.places.iter().map(|[place, _]| place.read(modes, force)).collect();
+        for (most, value) in self.values.iter_mut().flatten().zip(now.iter().flatten()) {
+            *most = if value.abs() > most.abs() { *value } else { *most };
+        }
+        now
+    }
+
+    /// Halves a time of free motion from these modes, with the readings at its ends, until it cannot hold more than is known.
+    fn search(&mut self, modes: &[Oscillator], ends: [&[Readings]; 2], time: f64) {
+        if time <= self.shortest || !self.may_exceed(modes, ends, time) {
+            return;
+        }
+        let middle: Vec<Oscillator> = modes.iter().map(|mode| mode.after(0.5 * time)).collect();
+        let readings = self.keep(&middle, 0.0);
+        self.search(modes, [ends[0], &readings], 0.5 * time);
+        self.search(&middle, [&readings, ends[1]], 0.5 * time);
+    }
+
+    /// A reading may be larger within a time than so far: it is off the line between its ends by up to an eighth of its largest bend times
+    /// the square of the time.
+    fn may_exceed(&self, modes: &[Oscillator], ends: [&[Readings]; 2], time: f64) -> bool {
+        let bends: Vec<Oscillator> = modes.iter().map(Oscillator::bend).collect();
+        let scale = |i: usize| self.values.iter().fold(0.0, |most: f64, value| most.max(value[i].abs()));
+        let scale: Readings = std::array::from_fn(scale);
+        self.places.iter().enumerate().any(|(k, [_, magnitude])| {
+            let bend = magnitude.read(&bends, 0.0);
+            let reach = |i: usize| ends[0][k][i].abs().max(ends[1][k][i].abs()) + 0.125 * bend[i] * time * time;
+            (0..3).any(|i| reach(i) > self.values[k][i].abs() + NEGLIGIBLE * scale[i])
+        })
+    }
+}

@@ -261,7 +261,7 @@ pub struct PathRow {
 }
 
 /// A neglected effect, and how large it would have been; see [`Audit`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct AuditRow {
     /// e.g. "hardening".
     pub effect: String,
@@ -269,6 +269,8 @@ pub struct AuditRow {
     pub estimate: f64,
     /// Threshold of significance: the `audit-tolerance` of the run, or that named in `finding`.
     pub threshold: f64,
+    /// What was neglected, e.g. "lateral inertia", where `finding` is only its size; empty where that says all, as in rows read from a file.
+    pub neglected: String,
     /// For people: size, place, time.
     pub finding: String,
     /// How to include the effect, e.g. "Add `heat = {}` under `[effects]` to include it"; empty if there is nothing to do, and in
@@ -285,7 +287,17 @@ impl AuditRow {
     /// The finding, and how to include the effect.
     pub fn advice(&self) -> String {
         let stop = if self.remedy.is_empty() { "" } else { ". " };
-        format!("{}{stop}{}", self.finding, self.remedy)
+        format!("{}{stop}{}", self.said(" was neglected; "), self.remedy)
+    }
+
+    /// The finding without its remedy; `of` leads from what was neglected to its size.
+    fn said(&self, of: &str) -> String {
+        if self.neglected.is_empty() { self.finding.clone() } else { format!("{}{of}{}", self.neglected, self.finding) }
+    }
+
+    /// The finding where the effect is considered, not neglected.
+    pub fn considered(&self) -> String {
+        self.said(": ")
     }
 
     /// One line of text: effect, finding, and the key that includes it.

@@ -34,6 +34,6 @@ pub fn flowed_both_ways(material: &Material, places: impl Iterator<Item = (f64, 
              exact temperature",
             material.name
         ),
-        remedy: String::new(),
+        ..AuditRow::default()
     })
 }

@@ -178,9 +178,7 @@ fn can_be_written(effect: &str) -> bool {
 }
 
 fn why(row: &AuditRow) -> String {
-    // Of the run without the effect the audit says that it was neglected.
-    let finding = row.finding.replacen(" was neglected; estimated", ": estimated", 1);
-    format!("{finding} (tolerance {:.2} %)", 100.0 * row.threshold)
+    format!("{} (tolerance {:.2} %)", row.considered(), 100.0 * row.threshold)
 }
 
 fn first_line(text: &str) -> &str {

@@ -499,7 +499,7 @@ fn contacts_that_yield(scene: &Scene, figures: &Figures) -> Vec<AuditRow> {
         let force = figures.get(&[side], "peak_force")?.abs();
         let (estimate, finding) = contact_yields(contact, force, limit)?;
         let finding = std::format!("ball at the {side} end: {finding}");
-        Some(AuditRow { effect: "contact".into(), estimate, threshold: 1.0, finding, remedy: String::new() })
+        Some(AuditRow { effect: "contact".into(), estimate, threshold: 1.0, finding, ..AuditRow::default() })
     };
     [("left", &scene.left, 0), ("right", &scene.right, last)].into_iter().filter_map(row).collect()
 }

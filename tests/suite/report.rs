@@ -77,7 +77,7 @@ pub(crate) fn finished(path: &Path) -> ResultFile {
         estimate: 9.0,
         threshold: 3.0,
         finding: "it would be 9 K warmer".into(),
-        remedy: String::new(),
+        ..AuditRow::default()
     };
     let fronts = [front(5000.0, 1e8), front(500.0, 2e8)];
     start(path, 11, 1e8).finish("done", &fronts, &[audit], RunFigures::default()).unwrap();

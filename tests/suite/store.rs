@@ -131,6 +131,7 @@ fn audit() -> AuditRow {
         threshold: 10.0,
         finding: "3 K warmer".into(),
         remedy: "Add `heat = {}` under [effects] to include it".into(),
+        ..AuditRow::default()
     }
 }
 

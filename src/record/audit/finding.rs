@@ -10,6 +10,8 @@ pub(super) const DECISIVE: f64 = 1.0;
 pub(super) struct Finding {
     /// Relative change of the stress; NaN if it is not known.
     estimate: f64,
+    /// What was neglected; empty where the text says all.
+    neglected: &'static str,
     /// For people.
     text: String,
     /// How to include the effect; empty if it is not needed.
@@ -19,24 +21,24 @@ pub(super) struct Finding {
 impl Finding {
     /// Neglecting `what` changes the stress by the fraction `estimate`, found from `basis`; `written` is the line of the scene that
     /// includes the effect.
-    pub fn of(estimate: f64, what: &str, basis: &str, written: &str) -> Self {
-        let text = format!("{what} was neglected; estimated effect on stress {:.2} % ({basis})", 100.0 * estimate);
-        Self { estimate, text, remedy: include(written) }
+    pub fn of(estimate: f64, what: &'static str, basis: &str, written: &str) -> Self {
+        let text = format!("estimated effect on stress {:.2} % ({basis})", 100.0 * estimate);
+        Self { estimate, neglected: what, text, remedy: include(written) }
     }
 
     /// The effect would change the outcome.
     pub fn decisive(text: String, written: &str) -> Self {
-        Self { estimate: DECISIVE, text, remedy: include(written) }
+        Self { estimate: DECISIVE, neglected: "", text, remedy: include(written) }
     }
 
     /// The effect would change nothing, for this reason.
     pub fn nothing(text: impl Into<String>) -> Self {
-        Self { estimate: 0.0, text: text.into(), remedy: String::new() }
+        Self { estimate: 0.0, neglected: "", text: text.into(), remedy: String::new() }
     }
 
     /// There is no estimate, for this reason.
     pub fn unknown(why: impl std::fmt::Display) -> Self {
-        Self { estimate: f64::NAN, text: format!("not estimated: {why}"), remedy: String::new() }
+        Self { estimate: f64::NAN, neglected: "", text: format!("not estimated: {why}"), remedy: String::new() }
     }
 
     /// There is no estimate: the named material (or its curve) lacks `what`.
@@ -45,8 +47,15 @@ impl Finding {
     }
 
     pub fn row(self, effect: &str, threshold: f64) -> AuditRow {
-        let Self { estimate, text, remedy } = self;
-        AuditRow { effect: effect.to_owned(), estimate, threshold, finding: text, remedy }
+        let Self { estimate, neglected, text, remedy } = self;
+        AuditRow {
+            effect: effect.to_owned(),
+            estimate,
+            threshold,
+            neglected: neglected.to_owned(),
+            finding: text,
+            remedy,
+        }
     }
 }
 

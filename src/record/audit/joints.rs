@@ -73,7 +73,7 @@ impl Joints {
             estimate: used(joint),
             threshold: 1.0,
             finding,
-            remedy: String::new(),
+            ..AuditRow::default()
         })
     }
 }

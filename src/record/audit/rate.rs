@@ -110,6 +110,6 @@ pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
             "the overstress relaxes within one time step (k dt = {k_dt:.3}), so the width of plastic fronts is set by the grid, not \
              by the material; use more `cells`, or remove `rate` for sharp fronts"
         ),
-        remedy: String::new(),
+        ..AuditRow::default()
     })
 }

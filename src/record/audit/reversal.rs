@@ -66,7 +66,7 @@ pub fn reversed_flow(
         estimate: worst.error(),
         threshold: tolerance,
         finding,
-        remedy: String::new(),
+        ..AuditRow::default()
     })
 }
 

@@ -72,7 +72,7 @@ impl TensileStrain {
 }
 
 fn broken(finding: String) -> AuditRow {
-    AuditRow { effect: "rupture".into(), estimate: DECISIVE, threshold: DECISIVE, finding, remedy: String::new() }
+    AuditRow { effect: "rupture".into(), estimate: DECISIVE, threshold: DECISIVE, finding, ..AuditRow::default() }
 }
 
 /// A load beyond what the curve carries, seen before the first step: an impact above the critical velocity, or a stress above the ultimate one.

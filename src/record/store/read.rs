@@ -495,7 +495,7 @@ fn read_audit(group: &Group) -> Hdf<Vec<AuditRow>> {
         .map(|((effect, message), (&estimate, &threshold))| {
             let prefix = format!("{effect}: ");
             let finding = message.strip_prefix(&prefix).unwrap_or(message).to_owned();
-            AuditRow { effect: effect.clone(), estimate, threshold, finding, remedy: String::new() }
+            AuditRow { effect: effect.clone(), estimate, threshold, finding, ..AuditRow::default() }
         })
         .collect())
 }

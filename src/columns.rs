@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use crate::error::Result;
 use crate::input::Document;
-use crate::units::{Dimension, Quantity};
+use crate::units::{self, Dimension};
 
 /// A cell with its bytes in the text. In cells of numbers the decimal mark is a point.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,7 +141,7 @@ fn is_number(cell: &Cell) -> bool {
 
 /// `(mm)`, `[kN]`, `MPa` or nothing, as in a line of units.
 fn is_unit(text: &str) -> bool {
-    let known = |dimension| Quantity::Text(format!("1 {text}")).si(dimension).is_ok();
+    let known = |dimension| units::one(text, dimension).is_ok();
     text.is_empty()
         || (text.starts_with(['(', '[']) && text.ends_with([')', ']']))
         || [Dimension::None, Dimension::Length, Dimension::Force, Dimension::Stress, Dimension::Time]

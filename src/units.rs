@@ -54,6 +54,14 @@ impl Quantity {
     }
 }
 
+/// One of a unit in SI.
+///
+/// # Errors
+/// As for [`Quantity::si`].
+pub(crate) fn one(unit: &str, dimension: Dimension) -> Result<f64, String> {
+    Quantity::Text(format!("1 {unit}")).si(dimension)
+}
+
 impl Quantity {
     /// The value in SI, with its dimension, whatever that is. A plain number is taken as one without a unit.
     ///

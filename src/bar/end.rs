@@ -1,5 +1,7 @@
 //! Boundary conditions of the bar: relations between velocity and stress of an end.
 
+use std::borrow::Cow;
+
 use super::{Hertz, History};
 
 /// The condition at one end. Velocities are positive in +x at both ends; stresses are tension positive.
@@ -61,15 +63,15 @@ pub enum EndCondition {
 impl EndCondition {
     /// The end with what it imposes before a time (s) and before its release.
     #[must_use]
-    pub fn until(&self, end: f64) -> Self {
-        match self {
-            Self::Velocity { history, release } => {
-                let history = history.until(release.map_or(end, |release| release.min(end)));
-                Self::Velocity { history, release: *release }
-            }
-            Self::Stress { history } => Self::Stress { history: history.until(end) },
-            other => other.clone(),
-        }
+    pub fn until(&self, end: f64) -> Cow<'_, Self> {
+        let cut = match self {
+            Self::Velocity { history, release } => history
+                .until(release.map_or(end, |release| release.min(end)))
+                .map(|history| Self::Velocity { history, release: *release }),
+            Self::Stress { history } => history.until(end).map(|history| Self::Stress { history }),
+            _ => None,
+        };
+        cut.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
     /// It can send a jump into a bar that rests: one that it imposes at some time, that of a release, or of a body or wall that is struck.

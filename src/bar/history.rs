@@ -113,20 +113,19 @@ impl History {
         &self.value
     }
 
-    /// What comes before a time, s.
-    #[must_use]
-    pub fn until(&self, end: f64) -> Self {
+    /// What comes before a time, s; none: that is all.
+    pub fn until(&self, end: f64) -> Option<Self> {
         let kept = self.time.partition_point(|&row| row < end);
         if kept == self.time.len() {
-            return self.clone();
+            return None;
         }
         if kept == 0 {
-            return Self::constant(0.0);
+            return Some(Self::constant(0.0));
         }
         let (mut time, mut value) = (self.time[..kept].to_vec(), self.value[..kept].to_vec());
         time.push(end);
         value.push(self.before(end));
-        Self { time, value }
+        Some(Self { time, value })
     }
 
     /// True where the value never changes after t = 0.

@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::columns::{self, Cell, Row};
 use crate::error::{InputError, Result};
 use crate::input::Document;
-use crate::units::{Dimension, Quantity};
+use crate::units::{self, Dimension};
 
 /// The rows of a CSV file, each with its bytes in the file.
 #[derive(Debug, Clone)]
@@ -95,8 +95,7 @@ fn header(document: &Document, row: &Row, unit: Option<f64>) -> Result<Factors> 
 /// SI value of one unit.
 pub(crate) fn factor(unit: &str, dimension: Dimension) -> std::result::Result<f64, InputError> {
     let unit = if unit == "percent" { "%" } else { unit };
-    Quantity::Text(format!("1 {unit}"))
-        .si(dimension)
+    units::one(unit, dimension)
         .map_err(|reason| InputError::new(reason).help("write a unit such as MPa, ksi or psi for stress, % for strain"))
 }
 

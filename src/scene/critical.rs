@@ -1,5 +1,7 @@
 //! The critical velocity that a run states.
 
+use std::borrow::Cow;
+
 use super::Scene;
 use crate::bar::{EndCondition, initial_fans};
 use crate::material::Sense;
@@ -7,7 +9,7 @@ use crate::wave::similarity::critical;
 
 impl Scene {
     /// The ends with what they impose before the end of the run.
-    pub fn ends_in_run(&self) -> [EndCondition; 2] {
+    pub fn ends_in_run(&self) -> [Cow<'_, EndCondition>; 2] {
         [&self.left, &self.right].map(|end| end.until(self.solve.until))
     }
 

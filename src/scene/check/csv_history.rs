@@ -12,7 +12,7 @@ use crate::columns::{self, Cell};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Document, Number};
 use crate::typed::Placed;
-use crate::units::{Dimension, Quantity};
+use crate::units::{Dimension, Quantity, one};
 
 /// Made of rows, or which of them is wrong, and why.
 pub(super) type MadeOfRows<T> = std::result::Result<T, (usize, &'static str)>;
@@ -110,19 +110,15 @@ impl Abscissa {
     /// A column with one of the names, `Time (us)`, `x [mm]`, ..., or in a unit of the quantity.
     fn is_named(&self, header: &str) -> bool {
         let name = header.split(['[', '(', '_', ' ', '/']).next().unwrap_or_default().to_lowercase();
-        let in_unit = |unit: &str| is_unit(unit, self.dimension);
+        let in_unit = |unit: &str| one(unit, self.dimension).is_ok();
         unit(header, self.dimension).is_some_and(in_unit) || self.names.contains(&name.as_str())
     }
-}
-
-fn is_unit(text: &str, dimension: Dimension) -> bool {
-    Quantity::Text(format!("1 {text}")).si(dimension).is_ok()
 }
 
 /// The unit in `time [us]` or `time (us)`, or, of this dimension, in `time_us`.
 fn unit(header: &str, dimension: Dimension) -> Option<&str> {
     let Some(open) = header.find(['[', '(']) else {
-        return header.rsplit_once('_').map(|(_, unit)| unit.trim()).filter(|unit| is_unit(unit, dimension));
+        return header.rsplit_once('_').map(|(_, unit)| unit.trim()).filter(|unit| one(unit, dimension).is_ok());
     };
     header[open + 1..].strip_suffix([']', ')']).map(str::trim).filter(|u| !u.is_empty())
 }

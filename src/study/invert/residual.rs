@@ -388,11 +388,14 @@ fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velo
     if options.state == State::Loaded {
         let speed: Vec<f64> = kept.iter().map(|i| (place(i) / options.time).min(c0)).collect();
         let slowest = speed[speed.len() - 1];
-        let from = |start: [f64; 3]| integrate(options.density, &level, speed.clone(), start, Some(c0));
-        let of_levels = from([Start::strain(fronts, options), 0.0, 0.0]).velocity[level.len() - 1] + slowest * above;
-        let start = Start::moving(fronts, options, velocity, of_levels);
-        let curve = from(start.state);
-        let velocity = curve.velocity[level.len() - 1] + slowest * above;
+        let from = [Start::strain(fronts, options), 0.0, 0.0];
+        let mut curve = integrate(options.density, &level, speed, from, Some(c0));
+        let explained = curve.velocity[level.len() - 1] + slowest * above;
+        let start = Start::moving(fronts, options, velocity, explained);
+        let [_, stress_before, velocity_before] = start.state;
+        curve.stress.iter_mut().for_each(|stress| *stress += stress_before);
+        curve.velocity.iter_mut().for_each(|velocity| *velocity += velocity_before);
+        let velocity = explained + velocity_before;
         let yield_stress = options.yield_stress.unwrap_or(f64::NAN);
         return Ok(Evaluated { strain: level, curve, yield_stress, velocity, start });
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::columns::{self, Cell};
 use crate::error::{InputError, Result};
 use crate::input::Document;
-use crate::units::{Dimension, Quantity};
+use crate::units::{Dimension, one};
 
 /// Named columns of numbers in SI.
 pub(super) struct Table {
@@ -131,11 +131,10 @@ fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(
         Some(open) => (title[..open].trim(), title[open + 1..].trim_end_matches([')', ']']).trim()),
         None => (title, unit_below),
     };
-    let of = |unit: &str, dimension| Quantity::Text(format!("1 {unit}")).si(dimension);
     if !unit.is_empty() {
         let name = name.to_lowercase();
         let micro = ["ue", "microstrain", "um/m"].contains(&unit);
-        let factor = if micro { Ok(1e-6) } else { of(unit, dimension(&name)) };
+        let factor = if micro { Ok(1e-6) } else { one(unit, dimension(&name)) };
         let factor = factor.map_err(|reason| document.error(cell.span.clone(), "", reason).help(HEADER))?;
         return Ok(with_unit(name, factor));
     }
@@ -145,7 +144,7 @@ fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(
         if unit == "ue" || unit == "microstrain" {
             return Ok(with_unit(name, 1e-6));
         }
-        if let Ok(factor) = of(unit, dimension(&name)) {
+        if let Ok(factor) = one(unit, dimension(&name)) {
             return Ok(with_unit(name, factor));
         }
     }

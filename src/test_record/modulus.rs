@@ -23,6 +23,9 @@ const RESOLUTION: f64 = 1e-3;
 /// An interval is admitted if its slope, plus twice its error, is this part of the steepest, minus four times its error.
 const ADMITTED: f64 = 0.97;
 
+/// Intervals whose slope is known up to so many times worse than that of the best might have been the best, had the record been rounded otherwise.
+const AS_GOOD: f64 = 1.25;
+
 /// Rows before an interval that are so many times steeper, by so many standard deviations of the noise, are the elastic ones.
 const STEEPER: f64 = 1.5;
 const SURELY: f64 = 4.0;
@@ -50,7 +53,7 @@ pub struct ElasticLine {
     /// Pa.
     #[serde(rename = "slope_Pa")]
     pub slope: f64,
-    /// Standard error of the slope, Pa.
+    /// Standard error of the slope, with the spread over the intervals that are as good, Pa.
     #[serde(rename = "standard_error_Pa")]
     pub error: f64,
     /// Strain at zero stress.
@@ -105,8 +108,8 @@ pub(super) fn elastic_line(
     range: Option<[f64; 2]>,
 ) -> Option<ElasticLine> {
     let largest = rows.iter().map(|row| row.1).fold(0.0, f64::max);
-    let best = match range {
-        Some([low, high]) => candidate(rows, variances, level(rows, low), level(rows, high))?,
+    let (best, spread) = match range {
+        Some([low, high]) => (candidate(rows, variances, level(rows, low), level(rows, high))?, 0.0),
         None => search(rows, variances, largest)?,
     };
     let end = extend(rows, variances, &best, largest);
@@ -117,7 +120,7 @@ pub(super) fn elastic_line(
     let between = if range.is_some() { ends.map(|row| near(rows, row)) } else { on_line };
     Some(ElasticLine {
         slope: best.fit.b,
-        error: best.error,
+        error: best.error.hypot(spread),
         origin,
         between,
         rows: best.to - best.from,
@@ -163,7 +166,8 @@ fn level(rows: &[(f64, f64)], stress: f64) -> usize {
     rows.windows(5).position(|five| mean(five) >= stress).map_or(rows.len(), |k| if k == 0 { 0 } else { k + 2 })
 }
 
-fn search(rows: &[(f64, f64)], variances: Variances<'_>, largest: f64) -> Option<Candidate> {
+/// The best interval, and how much the slopes of those as good differ from its own (root of the mean square, Pa).
+fn search(rows: &[(f64, f64)], variances: Variances<'_>, largest: f64) -> Option<(Candidate, f64)> {
     let stresses =
         std::iter::successors(Some(LEVELS_FROM), |part| Some(part * LEVELS_FACTOR)).take_while(|part| *part < 0.98);
     let mut places: Vec<usize> = std::iter::once(0).chain(stresses.map(|part| level(rows, part * largest))).collect();
@@ -173,7 +177,11 @@ fn search(rows: &[(f64, f64)], variances: Variances<'_>, largest: f64) -> Option
     // Of hundreds of intervals with few rows and much noise some are too steep by three standard errors.
     let steepest = all.iter().map(|c| c.fit.b - 4.0 * c.total).fold(0.0, f64::max);
     let admitted = all.into_iter().filter(|c| c.fit.b + 2.0 * c.total >= ADMITTED * steepest && c.fit.b > 0.0);
-    admitted.filter(|c| !follows_steeper_rows(rows, variances, c)).min_by(|a, b| score(a).total_cmp(&score(b)))
+    let admitted: Vec<Candidate> = admitted.filter(|c| !follows_steeper_rows(rows, variances, c)).collect();
+    let best = *admitted.iter().min_by(|a, b| score(a).total_cmp(&score(b)))?;
+    let as_good = admitted.iter().filter(|c| score(c) <= AS_GOOD * score(&best));
+    let squares: Vec<f64> = as_good.map(|c| (c.fit.b - best.fit.b).powi(2)).collect();
+    Some((best, (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()))
 }
 
 /// The rows before an interval rise more steeply: they are the elastic ones, too few for a line of their own.

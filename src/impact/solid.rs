@@ -63,7 +63,7 @@ pub fn contact_yields(contact: &Hertz, force: f64, limit: f64) -> Option<(f64, S
 fn yields(pressure: f64, limit: f64) -> Option<String> {
     (pressure > PRESSURE_AT_YIELD * limit).then(|| {
         format!(
-            "the contact yields: the largest pressure is {:.2} times the yield stress of {:.4} MPa and yield begins at \
+            "the contact yields: the largest pressure is {:.2} times the yield stress in compression of {:.1} MPa and yield begins at \
              {PRESSURE_AT_YIELD}; \
              the elastic solution overestimates the force and the rebound velocity",
             pressure / limit,

@@ -216,6 +216,24 @@ mod tests {
     }
 
     #[test]
+    fn free_motion_obeys_its_equation_and_its_bounds() {
+        for (omega, delta) in [(3.0, 0.0), (3.0, 0.4), (3.0, 3.0), (3.0, 3.3), (3.0, 4.0), (0.5, 40.0), (0.0, 0.0)] {
+            let start = Oscillator { q: 0.3, v: -0.7, ..Oscillator::new(1.0, [omega, delta], 1.0) };
+            let bend = start.bend();
+            for t in [0.0, 0.01, 0.2, 1.0, 4.0] {
+                let [now, then] = [t, t + 1e-6].map(|t| start.after(t));
+                let rate = |q: f64, v: f64| -omega * omega * q - 2.0 * delta * v;
+                let acceleration = rate(now.q, now.v);
+                let jerk = rate(now.v, acceleration);
+                assert!(((then.q - now.q) / 1e-6 - now.v).abs() < 1e-4, "{omega} {delta} {t}");
+                assert!(((then.v - now.v) / 1e-6 - acceleration).abs() < 1e-2, "{omega} {delta} {t}");
+                assert!(acceleration.abs() <= bend.q * (1.0 + 1e-9), "{omega} {delta} {t}: {acceleration} {bend:?}");
+                assert!(jerk.abs() <= bend.v * (1.0 + 1e-9), "{omega} {delta} {t}: {jerk} {bend:?}");
+            }
+        }
+    }
+
+    #[test]
     fn kernels_agree_with_small_steps() {
         for (omega, delta) in [(3.0, 0.0), (3.0, 0.4), (3.0, 3.0), (3.0, 3.3), (3.0, 4.0), (0.5, 40.0), (40.0, 1.0)] {
             let oscillator = Oscillator::new(1.0, [omega, delta], 1.0);

@@ -6,6 +6,9 @@ use crate::impact::oscillator::Oscillator;
 /// What is not worth a search, over the largest reading of all places.
 const NEGLIGIBLE: f64 = 1e-8;
 
+/// Parts into which a run is divided, at most.
+const MOST_PARTS: f64 = 4_194_304.0;
+
 /// The readings of largest magnitude so far.
 pub(super) struct Extremes {
     /// Each with its factors, and with their magnitudes.
@@ -18,9 +21,10 @@ pub(super) struct Extremes {
 }
 
 impl Extremes {
-    pub fn new(places: &[Place], shortest: f64) -> Self {
+    pub fn new(places: &[Place], [finest, end]: [f64; 2]) -> Self {
+        let shortest = (finest / 64.0).max(end / MOST_PARTS);
         let places: Vec<[Place; 2]> = places.iter().map(|place| [place.clone(), place.magnitude()]).collect();
-        Self { values: vec![[0.0; 3]; places.len()], places, before: Default::default(), shortest }
+        Self { values: vec![[0.0; 3]; places.len()], places, before: (Vec::new(), Vec::new()), shortest }
     }
 
     /// After free motion over a time, s; 0: the bodies were in contact.

@@ -153,7 +153,12 @@ impl Beam {
 impl Beam {
     /// Time steps of one integration up to its earliest end, about: those of free flight.
     pub fn expected_steps(&self) -> f64 {
-        (self.ends()[0] / self.finest()).min(Horizon::ROWS)
+        self.finest_steps().min(Horizon::ROWS)
+    }
+
+    /// Of the finest steps up to its earliest end: between rows the readings at gauges are searched.
+    pub fn finest_steps(&self) -> f64 {
+        self.ends()[0] / self.finest()
     }
 
     /// Finest step of free flight, s.

@@ -124,7 +124,7 @@ impl Observer {
             shape_every: end / beam.shapes.max(1) as f64,
             shape_due: end / beam.shapes.max(1) as f64,
             start: 0.5 * beam.striker.mass * beam.striker.velocity.powi(2),
-            extremes: Extremes::new(&places, finest / 64.0),
+            extremes: Extremes::new(&places, [finest, end]),
             finest,
             contact: contact_table(),
             ledger: ledger_table(),

@@ -95,6 +95,9 @@ pub struct RawBeamRecord {
     pub shapes: Or<Count<0, 1000>, 8>,
 }
 
+/// Most steps, 1/128 of the contact time, over which readings at gauges are searched for the largest.
+const MOST_STEPS: f64 = 2e7;
+
 /// Most modes that a scene can ask for.
 const MOST_MODES: usize = 10_000;
 
@@ -123,6 +126,7 @@ pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
         modes: checker.si(&raw.solve.modes)?,
     };
     checker.sphere_fits(&beam, striker)?;
+    checker.gauges_can_be_searched(&beam, &raw)?;
     let resolved = resolved(&beam);
     let materials = [one, two].into_iter().flatten().collect();
     Ok(Parts { title: raw.title, problem: Arc::new(beam), materials, resolved })
@@ -193,6 +197,18 @@ impl Checker<'_> {
                 .into());
         }
         Ok(foundation)
+    }
+
+    fn gauges_can_be_searched(&self, beam: &Beam, raw: &RawBeamScene) -> Result<()> {
+        let steps = beam.finest_steps();
+        if beam.gauges.is_empty() || steps <= MOST_STEPS {
+            return Ok(());
+        }
+        let end = raw.solve.until.as_ref();
+        let message = format!("the gauges would be searched over about {steps:.1e} steps of 1/128 of the contact time");
+        let (span, key) = end.map_or((raw.beam.span(), "beam.length"), |until| (until.span(), "solve.until"));
+        let error = self.error(span, key, message).allowed(format!("at most {MOST_STEPS:.0e} steps"));
+        Err(error.help("give `solve.until` a shorter time, or record no gauges").into())
     }
 
     /// A contact wider than the section, or a sphere longer than the beam, is no contact at a point.

@@ -3,11 +3,11 @@
 use serde_json::Value;
 
 use super::display::{Unit, Units};
-use super::drawing::{Picture, Stroke};
+use super::drawing::{Picture, RUPTURE, Stroke};
 use super::grid::{DASHES, Panel, draw_from};
 use super::panel::Series;
 use super::plot::colour;
-use crate::study::sweep::{Combine, Plan, Row, unit_of};
+use crate::study::sweep::{Combine, Plan, Row, Status, unit_of};
 
 /// Metrics that are drawn where the sweep file names none.
 const USUAL: [&str; 8] = [
@@ -60,16 +60,23 @@ fn panel(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Option<Panel>
     if plan.metrics.is_empty() && values().all(|value| value == 0.0) {
         return None;
     }
+    let broken = rows.iter().filter(|row| row.status == Status::Rupture);
+    let mut broken: Vec<_> = broken.filter_map(|row| point(plan, row, along, metric)).collect();
     let axis = &plan.axes[along];
     let points = || lines.iter().flat_map(|line| &line.1);
     let x = unit(&axis.unit, points().map(|point| point.0));
     let y = unit(unit_of(metric), points().map(|point| point.1));
-    let (heading, words) = spoken(metric);
-    let axes = [x.label(&axis.key), y.label(&words)];
-    for point in lines.iter_mut().flat_map(|line| &mut line.1) {
+    let heading = spoken(metric);
+    let axes = [x.label(&spoken_key(&axis.key, &axis.unit)), y.label(&heading)];
+    for point in lines.iter_mut().flat_map(|line| &mut line.1).chain(&mut broken) {
         *point = (x.factor * point.0, y.factor * point.1);
     }
-    Some(Panel { heading, axes, series: lines.into_iter().enumerate().flat_map(series).collect() })
+    let ordered = axis.levels.is_sorted_by_key(|level| level.si) || axis.levels.iter().rev().is_sorted_by_key(|l| l.si);
+    let mut drawn: Vec<Series> = lines.into_iter().enumerate().flat_map(|line| series(line, ordered)).collect();
+    if !broken.is_empty() {
+        drawn.push(Series::marks("bar fractured", broken, Stroke::new(RUPTURE, 1.6)));
+    }
+    Some(Panel { heading, axes, series: drawn })
 }
 
 /// The unit to show values in.
@@ -78,39 +85,67 @@ fn unit(symbol: &str, values: impl Iterator<Item = f64>) -> Unit {
     Units::Si.of_symbol(&symbol.replace(' ', "*"), most)
 }
 
-/// The name of a metric in words, with its place for headings and without it for axes: `left.peak_force_N` is "left end: peak force".
-fn spoken(metric: &str) -> (String, String) {
+/// The name of a metric in words: `left.peak_force_N` is "peak force at the left end".
+fn spoken(metric: &str) -> String {
     let unit = format!("_{}", unit_of(metric).replace([' ', '/'], "_").replace('^', ""));
     let name = metric.strip_suffix(&unit).unwrap_or(metric);
     let (place, name) = name.rsplit_once('.').unwrap_or(("", name));
     let words = name.replace('_', " ");
-    let place = match place.split_once('.').unwrap_or((place, "")) {
-        ("", _) => return (words.clone(), words),
-        (end @ ("left" | "right"), "") => format!("{end} end"),
-        (kind @ ("joints" | "segments" | "gauges"), which) => format!("{} {which}", kind.trim_end_matches('s')),
-        _ => place.replace(['.', '_'], " "),
-    };
-    (format!("{place}: {words}"), words)
+    match place.split_once('.').unwrap_or((place, "")) {
+        ("", _) => words,
+        (end @ ("left" | "right"), "") => format!("{words} at the {end} end"),
+        ("joints", which) => format!("{words} at joint {which}"),
+        ("segments", which) => format!("{words} of segment {which}"),
+        ("gauges", which) => format!("{words} at gauge {which}"),
+        _ => format!("{words} ({})", place.replace(['.', '_'], " ")),
+    }
+}
+
+/// A key of the scene in words: `left.value` of a velocity is "velocity of the left end", `bar.length` is "bar length".
+fn spoken_key(key: &str, unit: &str) -> String {
+    let words = |text: &str| text.replace(['.', '-', '_'], " ");
+    let (place, name) = key.rsplit_once('.').unwrap_or(("", key));
+    match (place, name) {
+        ("left" | "right", "value") if unit == "m/s" => format!("velocity of the {place} end"),
+        ("left" | "right", "value") => format!("{} at the {place} end", if unit == "Pa" { "stress" } else { "value" }),
+        ("left" | "right" | "striker", "velocity") => "impact velocity".into(),
+        ("left" | "right", _) => format!("{} at the {place} end", words(name)),
+        ("" | "solve" | "effects" | "record", _) | (_, "material") => words(name),
+        _ => words(key),
+    }
+}
+
+/// A value as it stands in the sweep file; the file of a material by its name alone.
+fn spoken_value(typed: &str) -> &str {
+    let text = typed.trim_matches('"');
+    let file = std::path::Path::new(text);
+    let is_file = file.extension().is_some_and(|ending| ending == "toml");
+    file.file_stem().and_then(std::ffi::OsStr::to_str).filter(|_| is_file).unwrap_or(text)
 }
 
 /// A line of the figure, and its points.
 type Named = (String, Vec<(f64, f64)>);
 
+/// What stands for a case along an axis; none if either is no number.
+fn point(plan: &Plan, row: &Row, along: usize, metric: &str) -> Option<(f64, f64)> {
+    Some((plan.levels(row.case)[along].si?, row.metrics.get(metric)?.as_f64()?))
+}
+
 /// One line for each combination of the other axes. Axes of numbers that vary beside the first one are none.
 fn lines(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Vec<Named> {
     let mut lines: Vec<Named> = Vec::new();
     for row in rows {
-        let levels = plan.levels(row.case);
-        let others = levels.iter().enumerate().filter(|(k, level)| {
-            *k != along && plan.axes[*k].levels.len() > 1 && (plan.combine == Combine::Product || level.si.is_none())
+        let Some(point) = point(plan, row, along, metric) else { continue };
+        let levels = plan.levels(row.case).into_iter().zip(&plan.axes).enumerate();
+        let others = levels.filter(|(k, (level, axis))| {
+            *k != along && axis.levels.len() > 1 && (plan.combine == Combine::Product || level.si.is_none())
         });
-        let name = others.map(|(k, level)| format!("{} = {}", plan.axes[k].key, level.typed.trim_matches('"')));
+        let name = others
+            .map(|(_, (level, axis))| format!("{} {}", spoken_key(&axis.key, &axis.unit), spoken_value(&level.typed)));
         let name = name.collect::<Vec<_>>().join(", ");
-        let value = row.metrics.get(metric).and_then(Value::as_f64);
-        let (Some(x), Some(y)) = (levels[along].si, value) else { continue };
         match lines.iter_mut().find(|line| line.0 == name) {
-            Some(line) => line.1.push((x, y)),
-            None => lines.push((name, vec![(x, y)])),
+            Some(line) => line.1.push(point),
+            None => lines.push((name, vec![point])),
         }
     }
     if lines.iter().all(|line| line.1.len() < 2) {
@@ -122,11 +157,17 @@ fn lines(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Vec<Named> {
     lines
 }
 
-/// A line and a mark for each case: lines that coincide differ by their dashes.
-fn series((i, (name, points)): (usize, Named)) -> [Series; 2] {
+/// A line, with a mark for each case if they are few; marks alone for values in no order, such as random samples.
+/// Lines that coincide differ by their dashes.
+fn series((i, (name, points)): (usize, Named), ordered: bool) -> Vec<Series> {
+    const FEW: usize = 40;
     let stroke = Stroke::new(colour(i), 1.6);
-    let line = Series::line(name, points.clone(), stroke.clone().dashed(DASHES[i % DASHES.len()]));
-    [line, Series::marks("", points, stroke)]
+    if !ordered {
+        return vec![Series::marks(name, points, stroke)];
+    }
+    let marks = (points.len() <= FEW).then(|| Series::marks("", points.clone(), stroke.clone()));
+    let line = Series::line(name, points, stroke.dashed(DASHES[i % DASHES.len()]));
+    std::iter::once(line).chain(marks).collect()
 }
 
 #[cfg(test)]
@@ -135,14 +176,30 @@ mod tests {
 
     #[test]
     fn metrics_are_spoken() {
-        for (metric, heading, words) in [
-            ("left.peak_force_N", "left end: peak force", "peak force"),
-            ("joints.2.impulse_N_s", "joint 2: impulse", "impulse"),
-            ("permanent_elongation_m", "permanent elongation", "permanent elongation"),
-            ("segments.1.final_length_ratio", "segment 1: final length ratio", "final length ratio"),
-            ("ledger.energy_residual", "ledger: energy residual", "energy residual"),
+        for (metric, words) in [
+            ("left.peak_force_N", "peak force at the left end"),
+            ("joints.2.impulse_N_s", "impulse at joint 2"),
+            ("permanent_elongation_m", "permanent elongation"),
+            ("segments.1.final_length_ratio", "final length ratio of segment 1"),
+            ("ledger.energy_residual", "energy residual (ledger)"),
         ] {
-            assert_eq!(spoken(metric), (heading.to_owned(), words.to_owned()));
+            assert_eq!(spoken(metric), words);
         }
+    }
+
+    #[test]
+    fn keys_are_spoken() {
+        for (key, unit, words) in [
+            ("left.value", "m/s", "velocity of the left end"),
+            ("right.value", "Pa", "stress at the right end"),
+            ("striker.velocity", "m/s", "impact velocity"),
+            ("left.mass", "kg", "mass at the left end"),
+            ("bar.length", "m", "bar length"),
+            ("bar.material", "", "material"),
+            ("solve.cells", "", "cells"),
+        ] {
+            assert_eq!(spoken_key(key, unit), words);
+        }
+        assert_eq!(["\"../a b.toml\"", "\"0.5 m\"", "12.5"].map(spoken_value), ["a b", "0.5 m", "12.5"]);
     }
 }

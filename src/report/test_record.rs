@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Area, Drawing, Picture, Stroke};
+use super::grid::DASHES;
 use super::panel::{Series, line_panel};
 use super::plot::colour;
 use crate::material::Scatter;
@@ -16,6 +17,9 @@ const PERCENT: f64 = 0.01;
 
 /// Strain up to which the start of the curve is shown.
 const START: f64 = 0.015;
+
+/// Width of the curve of one of several tests, which shows beside the thin line of their mean.
+const TEST: f64 = 2.8;
 
 /// A record with the curve made of it.
 #[derive(Debug, Clone, Copy)]
@@ -40,7 +44,8 @@ pub fn figure(title: &str, tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Sc
     let highest = extent(&series, |point| point.1);
     let y = |high: f64| Axis::new("engineering stress (MPa)", 0.0, high);
     let x = |low: f64, high: f64| Axis::new("engineering strain (%)", low, high);
-    line_panel(&mut drawing, whole, "(a)  record and curve", x(0.0, 1.05 * farthest), y(1.08 * highest), &series);
+    let heading = if tests.len() == 1 { "(a)  record and curve" } else { "(a)  records, their curves and the mean" };
+    line_panel(&mut drawing, whole, heading, x(0.0, 1.05 * farthest), y(1.08 * highest), &series);
     let end = (START / PERCENT).min(farthest);
     let low = series.iter().flat_map(|s| &s.points).map(|p| p.0).fold(0.0, f64::min).max(-0.3 * end);
     let mut near = series;
@@ -68,11 +73,13 @@ fn shown(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
 fn series(tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Vec<Series> {
     let mut series = Vec::new();
     for (i, test) in tests.iter().enumerate() {
-        let name = |what: &str| if tests.len() == 1 { what.to_owned() } else { String::new() };
-        series.push(Series::line(name("record"), shown(test.record), Stroke::new("#9a9a9a", 1.0)));
-        let legend = if tests.len() == 1 { "curve".to_owned() } else { test.name.to_owned() };
-        series.push(Series::line(legend, shown(&test.reduction.knots), Stroke::new(colour(i), 1.6)));
-        if tests.len() == 1 {
+        let alone = tests.len() == 1;
+        let record = if alone { "record" } else { ["records", ""][i.min(1)] };
+        series.push(Series::line(record, shown(test.record), Stroke::new("#9a9a9a", 1.0)));
+        let (legend, width) = if alone { ("curve", 1.6) } else { (test.name, TEST) };
+        let stroke = Stroke::new(colour(i), width).dashed(DASHES[i % DASHES.len()]);
+        series.push(Series::line(legend, shown(&test.reduction.knots), stroke));
+        if alone {
             series.push(Series::marks("knots", shown(&test.reduction.knots), Stroke::new(colour(i), 1.0)));
             let max = test.reduction.maximum;
             series.push(Series::marks("maximum load", shown(&[max]), Stroke::new(colour(1), 2.2)));
@@ -90,13 +97,10 @@ fn series(tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Vec<S
             shown(&rows.collect::<Vec<_>>())
         };
         let from_zero: Vec<_> = std::iter::once((0.0, 0.0)).chain(rows.iter().copied()).collect();
-        series.push(Series::line("mean", shown(&from_zero), Stroke::new("#000000", 2.2)));
-        series.push(Series::line(
-            "mean \u{b1} standard deviation",
-            band(1.0),
-            Stroke::new("#000000", 1.2).dashed("5 3"),
-        ));
-        series.push(Series::line("", band(-1.0), Stroke::new("#000000", 1.2).dashed("5 3")));
+        series.push(Series::line("mean", shown(&from_zero), Stroke::new("#000000", 0.9)));
+        let thin = Stroke::new("#000000", 0.9).dashed("1.5 3.5");
+        series.push(Series::line("mean \u{b1} standard deviation", band(1.0), thin.clone()));
+        series.push(Series::line("", band(-1.0), thin));
     }
     series
 }

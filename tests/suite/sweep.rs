@@ -311,19 +311,35 @@ fn other_scenes_are_drawn_too() {
     assert!(summary.contains("table.csv") && !summary.contains("a.svg"), "{summary}");
 }
 
+/// Random samples have no order that a line could follow.
+#[test]
+fn samples_are_drawn_as_points() {
+    let folder = scenes(
+        "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n\
+         \"left.value\" = { normal = [\"-10 m/s\", \"1 m/s\"], samples = 6, seed = 3 }\n",
+    );
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--plot", "a.svg"]);
+    let figure = text(folder.path(), "a.svg");
+    assert!(figure.matches("<circle").count() == 6 && !figure.contains("<path"), "{figure}");
+}
+
 #[test]
 fn the_figure_has_a_line_for_every_material() {
     let folder = scenes(SPEEDS);
     let summary = done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--plot", "a.svg"]);
     assert!(summary.contains("\n  figure  a.svg\n") && summary.contains("cases/s"), "{summary}");
     let figure = text(folder.path(), "a.svg");
-    for word in
-        ["Sweep sweep", "left.value (m/s)", "left end: peak force", "peak force (kN)", "bar.material = mild-steel"]
-    {
+    for word in [
+        "Sweep sweep",
+        "velocity of the left end (m/s)",
+        "peak force at the left end (kN)",
+        "material mild-steel",
+        "bar fractured",
+    ] {
         assert!(figure.contains(word), "{word}");
     }
     // The right end is free.
-    assert!(!figure.contains("right end: peak force") && !figure.contains("left.peak_force_N"));
+    assert!(!figure.contains("peak force at the right end") && !figure.contains("left.peak_force_N"));
     // A mark for every case, and axes that end at zero where no value lies beyond.
     assert!(figure.matches("<circle").count() >= 24, "{figure}");
     let attribute = figure.split("data-x=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("an axis");

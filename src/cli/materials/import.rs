@@ -214,7 +214,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .map_err(|error| of_record(error, &imported))?;
     destination::write_whole(&path, text.as_bytes())?;
     if let Some(plot) = &args.plot {
-        draw(plot, &material.name, &imported, &curve)?;
+        draw(plot, (&material.name, args.sense.into()), &imported, &curve)?;
     }
     if args.json {
         return output::json(&json(args, &path, &imported, &curve.changes, &material));
@@ -532,7 +532,7 @@ fn plausible(curve: &Curve, imported: &[Imported]) -> Result<()> {
     Err(error.help("give the unit, e.g. --unit MPa, or in the heading: stress_MPa").into())
 }
 
-fn draw(path: &Path, name: &str, imported: &[Imported], curve: &Curve) -> Result<()> {
+fn draw(path: &Path, (name, sense): (&str, Sense), imported: &[Imported], curve: &Curve) -> Result<()> {
     let drawn: Vec<Drawn<'_>> = imported
         .iter()
         .filter_map(|one| {
@@ -548,7 +548,8 @@ fn draw(path: &Path, name: &str, imported: &[Imported], curve: &Curve) -> Result
         return Err(error.help("plot the material with `barwave compare FILE.toml -o FILE.svg`").into());
     }
     let mean = curve.repeats.as_ref().map(|repeats| (curve.rows.as_slice(), &repeats.scatter));
-    save(path, name, &figure(name, &drawn, mean))
+    let title = format!("{name}, slow {} test{}", sense.name(), if drawn.len() == 1 { "" } else { "s" });
+    save(path, &title, &figure(&title, &drawn, mean))
 }
 
 fn json(args: &Args, path: &Path, imported: &[Imported], changes: &[String], material: &Material) -> serde_json::Value {

@@ -75,18 +75,19 @@ fn panel(drawing: &mut Drawing, place: Area, heading: &str, [x, y]: [Axis; 2], s
     for (series, number) in series.iter().zip(numbers) {
         let inside = |point: &&(f64, f64)| point.1 >= frame.y.low && point.0.is_finite();
         if let Some(&end) = series.points.iter().rev().find(inside) {
-            label(drawing, frame.place(end), &number.to_string(), &series.stroke.colour, &mut taken);
+            label(drawing, frame.plot, frame.place(end), &number.to_string(), &series.stroke.colour, &mut taken);
         }
     }
 }
 
-/// A number beside the end of its line, above or below where others stand already.
-fn label(drawing: &mut Drawing, (x, y): (f64, f64), text: &str, colour: &str, taken: &mut Vec<Area>) {
+/// A number beside the end of its line, above or below where others stand already, and inside the height of the plot.
+fn label(drawing: &mut Drawing, plot: Area, (x, y): (f64, f64), text: &str, colour: &str, taken: &mut Vec<Area>) {
     let (width, height) = (text_width(text, SMALL), SMALL);
     let overlaps = |a: &Area, b: &Area| a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom();
-    let steps = (0..40).map(|k: i32| f64::from(if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 }));
+    let inside = |a: &Area| a.y >= plot.y && a.bottom() <= plot.bottom();
+    let steps = (0..80).map(|k: i32| f64::from(if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 }));
     let places = steps.map(|step| Area { x: x + 5.0, y: y - 0.5 * height + step * height, width, height });
-    let free = places.into_iter().find(|area| taken.iter().all(|other| !overlaps(area, other)));
+    let free = places.into_iter().find(|area| inside(area) && taken.iter().all(|other| !overlaps(area, other)));
     if let Some(area) = free {
         if (area.y + 0.5 * height - y).abs() > height {
             drawing.line((x, y), (area.x, area.y + 0.5 * height), &Stroke::new(colour, 0.6));

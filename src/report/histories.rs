@@ -16,7 +16,8 @@ pub(super) fn gauges(view: &View) -> Result<Option<LinePanel>> {
     let gauges: Vec<_> = view.file.gauges()?.into_iter().filter(|gauge| !gauge.trace.time.is_empty()).collect();
     let samples: Vec<usize> = gauges.iter().map(|gauge| nearest(&view.x, gauge.x)).collect();
     let traces: Vec<Own> = gauges.iter().map(|gauge| own(&gauge.trace, view.field)).collect();
-    let names: Vec<String> = gauges.iter().map(|g| format!("{}, x = {}", g.name, length.brief(g.x))).collect();
+    let name = |name: &str, place: String| if name == place { place } else { format!("{name}, x = {place}") };
+    let names: Vec<String> = gauges.iter().map(|gauge| name(&gauge.name, length.brief(gauge.x))).collect();
     let series = at_places(view, &names, &traces, &samples)?;
     Ok(histories(
         view,
@@ -148,7 +149,14 @@ fn histories(
     let last = series.iter().filter_map(|s| s.points.last()).fold(view.end_time * unit.factor, |a, p| a.max(p.0));
     let values: Vec<f64> = series.iter().flat_map(|s| view.limits(&s.points)).collect();
     let y = Axis::around(label, values.into_iter().chain(zero));
+    series.iter_mut().filter(|s| rings(&s.points, y.high - y.low)).for_each(|s| s.stroke.opacity = 0.35);
     let mut panel = LinePanel { heading: heading.into(), x: Axis::new(unit.label("time"), 0.0, last), y, series };
     panel.mark("rupture", &view.ruptures.iter().map(|r| r.time * unit.factor).collect::<Vec<_>>());
     Some(panel)
+}
+
+/// True for a line that goes up and down so often that it covers all that is below it, such as a broken piece that rings.
+fn rings(points: &[(f64, f64)], height: f64) -> bool {
+    const HEIGHTS: f64 = 25.0;
+    points.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).filter(|v| v.is_finite()).sum::<f64>() > HEIGHTS * height
 }

@@ -231,11 +231,12 @@ fn draw_gauges(drawing: &mut Drawing, frame: &Frame, view: &View, mut gauges: Ve
         let x = frame.place((gauge.x * view.length_unit().factor, 0.0)).0;
         drawing.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("white", 2.4).opacity(0.7));
         drawing.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("#333", 1.2).dashed("1.5 3"));
-        // A name that would run into the one before it is left out; the histories name every gauge.
+        // A name stands inside the plot's width and clear of the one before it; where its line would no longer be below it, it is left out.
         let half = text_width(&gauge.name, 11.0) / 2.0;
-        if x - half > free_from {
-            drawing.text((x, frame.plot.y - 6.0), 11.0, Anchor::Middle, &gauge.name);
-            free_from = x + half + 6.0;
+        let middle = x.min(frame.plot.right() - half).max(frame.plot.x + half).max(free_from + half);
+        if middle - half <= x {
+            drawing.text((middle, frame.plot.y - 6.0), 11.0, Anchor::Middle, &gauge.name);
+            free_from = middle + half + 4.0;
         }
     }
 }

@@ -26,8 +26,11 @@ pub(super) fn stroke(number: usize, count: usize) -> Stroke {
 /// The field against x at several times, with the levels behind the fronts where theory gives them.
 pub(super) fn profiles(view: &View) -> Result<Option<LinePanel>> {
     let (time, length, unit) = (view.time_unit(), view.length_unit(), view.field_unit());
-    let mut series = levels(view, &view.theory_fronts()?);
     let indices = snapshots(view)?;
+    let first = indices.first().map_or(0.0, |&index| view.time[index]);
+    // Fronts that met other waves before the first profile have no level in it.
+    let under_way: Vec<_> = view.theory_fronts()?.into_iter().filter(|front| front.last_seen >= first).collect();
+    let mut series = levels(view, &under_way);
     let mut limits = Vec::new();
     for (number, &index) in indices.iter().enumerate() {
         let values = view.file.field(view.field, index..index + 1)?;

@@ -39,6 +39,12 @@ fn broad() -> Stroke {
     Stroke::new(THEORY, 5.0).opacity(0.45)
 }
 
+/// The curve of the i-th material: each has a tint of its own.
+fn of_material(i: usize) -> Stroke {
+    const TINTS: [&str; 4] = [THEORY, "#b8860b", "#4682b4", "#6b8e23"];
+    Stroke { colour: TINTS[i % TINTS.len()].into(), ..broad() }
+}
+
 /// Times of the self-similar panel.
 const SIMILAR: usize = 3;
 
@@ -130,14 +136,14 @@ pub(super) fn path(view: &View) -> Result<Option<LinePanel>> {
     let x = Axis::around("strain", series.iter().flat_map(|s| s.points.iter().map(|p| p.0)).chain([0.0]));
     let limits: Vec<f64> = series.iter().flat_map(|s| view.limits(&s.points)).collect();
     let y = Axis::around(unit.label("stress"), limits.into_iter().chain([0.0]));
-    for material in &view.file.materials()? {
+    for (i, material) in view.file.materials()?.iter().enumerate() {
         let [strain, stress] = &material.compression;
         let compression = strain.iter().zip(stress).rev().map(|(e, s)| (-e, -s * unit.factor));
         let [strain, stress] = &material.tension;
         let tension = strain.iter().zip(stress).map(|(e, s)| (*e, s * unit.factor));
         let curve: Vec<(f64, f64)> = compression.chain(tension).collect();
         let name = format!("curve of {}", material.name);
-        series.insert(0, Series::line(name, within(&curve, &x, &y), broad()));
+        series.insert(0, Series::line(name, within(&curve, &x, &y), of_material(i)));
     }
     Ok(Some(LinePanel { heading: heading.into(), x, y, series }))
 }

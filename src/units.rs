@@ -8,6 +8,7 @@ mod format;
 mod magnitude;
 mod parse;
 mod scale;
+mod sentence;
 mod table;
 
 use std::str::FromStr;
@@ -18,6 +19,7 @@ pub use dimension::{Dimension, Measure, measures};
 pub use format::{format, scale_for};
 pub use magnitude::Magnitudes;
 pub use scale::Scale;
+pub use sentence::in_units;
 
 /// Units for people to read.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]

@@ -11,6 +11,7 @@ use crate::input::Document;
 use crate::material;
 use crate::scene::{KINDS, Problem};
 use crate::study::sweep::Sweep;
+use crate::units::System;
 
 /// Options of `barwave check`.
 #[derive(Debug, clap::Args)]
@@ -42,7 +43,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
                 output::json_line(&json!({ "file": file.display().to_string(), "kind": what, "notes": notes }))?;
             }
             Ok((what, notes)) => {
-                let notes: String = note_lines(&notes).map(|line| line + "\n").collect();
+                let notes: String = note_lines(&notes, System::Si).map(|line| line + "\n").collect();
                 output::text(&format!("{}: ok ({what})\n{notes}", file.display()))?;
             }
             Err(error) => {

@@ -19,7 +19,7 @@ pub(super) fn text(s: &ImpactSummary, units: System) -> String {
     for line in &solution.lines {
         lines.add(line.label, filled(line, units));
     }
-    lines.extend(note_lines(&solution.warnings));
+    lines.extend(note_lines(&solution.warnings, units));
     if !s.output.is_empty() {
         lines.add("result", &s.output);
     }

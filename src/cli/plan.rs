@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::run::{Trial, plan_impact};
 use crate::scene::Problem;
 use crate::study::plan::{InitialSteps, Plan, Staircase, Work, plan};
-use crate::units::{Dimension, System, format};
+use crate::units::{Dimension, System, format, in_units};
 
 /// Options of `barwave plan`.
 #[derive(Debug, clap::Args)]
@@ -51,7 +51,10 @@ fn text(plan: &Plan, units: System) -> String {
     lines.add("method", std::format!("{} {}", plan.method, plan.scheme));
     for effect in &plan.effects {
         let size = effect.estimate.map_or_else(String::new, |e| std::format!(" ({:.2} %)", 100.0 * e));
-        lines.add(if effect.on { "on" } else { "off" }, std::format!("{}{size}: {}", effect.effect, effect.why));
+        lines.add(
+            if effect.on { "on" } else { "off" },
+            std::format!("{}{size}: {}", effect.effect, in_units(&effect.why, units)),
+        );
     }
     for (label, value) in work_lines(&plan.work, units).into_iter().chain(trial_lines(&plan.trial, units)) {
         lines.add(label, value);
@@ -82,7 +85,7 @@ fn text(plan: &Plan, units: System) -> String {
     });
     add_critical(&mut lines, critical, &plan.fronts);
     lines.extend(front_lines(&plan.fronts, units));
-    lines.extend(note_lines(&plan.notes));
+    lines.extend(note_lines(&plan.notes, units));
     lines.text()
 }
 

@@ -177,7 +177,7 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
     let bar = progress_bar(args.quiet || args.json);
     let before = if args.resume.is_some() { None } else { made_at(path) };
     let summary = simulate(&mut |at: Progress| {
-        show_progress(&bar, &at, args.quiet || args.json);
+        show_progress(&bar, &at, (!args.quiet && !args.json).then_some(args.units));
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     bar.finish_and_clear();
@@ -347,10 +347,11 @@ fn progress_bar(silent: bool) -> ProgressBar {
     bar
 }
 
-fn show_progress(bar: &ProgressBar, at: &Progress, quiet: bool) {
+/// Choices are written in units of a system; none where the run is to be quiet.
+fn show_progress(bar: &ProgressBar, at: &Progress, units: Option<System>) {
     if let Progress::Chosen(choice) = &at {
-        if !quiet {
-            bar.suspend(|| output::note(&std::format!("auto: {}\n", choice_text(choice))));
+        if let Some(units) = units {
+            bar.suspend(|| output::note(&std::format!("auto: {}\n", choice_text(choice, units))));
         }
         return;
     }

@@ -6,7 +6,7 @@ use crate::record::{
     AuditRow, AutoChoice, ChoiceSummary, EndSummary, Figures, FrontSummary, INTERIOR, LengthSummary, RuptureSummary,
     Summary, TorsionSummary,
 };
-use crate::units::{Dimension, System, format};
+use crate::units::{Dimension, System, format, in_units};
 
 /// Segments whose plastic strain is smaller on the mean are listed without a length.
 const LEAST_STRAIN: f64 = 1e-6;
@@ -25,8 +25,8 @@ pub(super) fn text(s: &Summary, units: System) -> String {
     lines.add("time", time_text(s));
     lines.add("result", &s.output);
     lines.extend(front_lines(&s.fronts, units));
-    lines.extend(note_lines(&s.notes));
-    lines.extend(audit_lines(&s.audit));
+    lines.extend(note_lines(&s.notes, units));
+    lines.extend(audit_lines(&s.audit, units));
     lines.text()
 }
 
@@ -34,7 +34,7 @@ pub(super) fn text(s: &Summary, units: System) -> String {
 fn add_method(lines: &mut Lines, s: &Summary, units: System) {
     lines.add("outcome", &s.outcome);
     for choice in s.auto.iter().flatten() {
-        lines.add("auto", choice_text(choice));
+        lines.add("auto", choice_text(choice, units));
     }
     let end = format(s.end_time_s, Dimension::Time, units);
     let how = match &s.tracking {
@@ -164,13 +164,14 @@ fn tolerance_text(choice: &ChoiceSummary) -> String {
 }
 
 /// Why an effect is on or off: "heat on: ...".
-pub(super) fn choice_text(choice: &AutoChoice) -> String {
-    std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, choice.why)
+pub(super) fn choice_text(choice: &AutoChoice, units: System) -> String {
+    let why = in_units(&choice.why, units);
+    std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, why)
 }
 
 /// Notes on a scene, below a summary or a plan.
-pub(super) fn note_lines(notes: &[String]) -> impl Iterator<Item = String> {
-    notes.iter().map(|note| std::format!("  note: {note}"))
+pub(super) fn note_lines(notes: &[String], units: System) -> impl Iterator<Item = String> {
+    notes.iter().map(move |note| std::format!("  note: {}", in_units(note, units)))
 }
 
 /// The critical velocity as text. For a compressed bar, nothing is printed if the data end before it.
@@ -185,11 +186,11 @@ pub(super) fn add_critical(lines: &mut Lines, critical: Option<String>, fronts: 
 }
 
 /// A line for each neglected effect that matters or cannot be estimated, and one for all others.
-fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
+fn audit_lines(rows: &[AuditRow], units: System) -> Vec<String> {
     let mut lines: Vec<String> = rows
         .iter()
         .filter(|row| row.matters())
-        .map(|row| std::format!("  note: {}", sentence(&row.advice())))
+        .map(|row| std::format!("  note: {}", in_units(&sentence(&row.advice()), units)))
         .collect();
     let (unknown, small): (Vec<&AuditRow>, Vec<&AuditRow>) =
         rows.iter().filter(|row| !row.matters()).partition(|row| row.estimate.is_nan());
@@ -197,7 +198,8 @@ fn audit_lines(rows: &[AuditRow]) -> Vec<String> {
     if !small.is_empty() {
         lines.push(std::format!("  {:<18}{}", "not simulated", small.join(", ")));
     }
-    lines.extend(unknown.iter().map(|row| std::format!("  {:<18}{}", "not simulated", row.message())));
+    lines
+        .extend(unknown.iter().map(|row| std::format!("  {:<18}{}", "not simulated", in_units(&row.message(), units))));
     lines
 }
 

@@ -158,5 +158,6 @@ fn histories(
 /// True for a line that goes up and down so often that it covers all that is below it, such as a broken piece that rings.
 fn rings(points: &[(f64, f64)], height: f64) -> bool {
     const HEIGHTS: f64 = 25.0;
-    points.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).filter(|v| v.is_finite()).sum::<f64>() > HEIGHTS * height
+    points.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).filter(|v| v.is_finite()).sum::<f64>()
+        > HEIGHTS * height
 }

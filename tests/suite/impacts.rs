@@ -355,6 +355,7 @@ fn reports_plans_and_cost_studies_are_there_for_every_kind() {
         assert!(text.contains("equation") && text.contains("validity"), "{name}");
         // Counts are whole numbers.
         assert!(name != "beam.toml" || text.contains("modes of the beam</th><td>64</td>"), "{name}");
+        assert!(name != "beam.toml" || text.contains("gauge middle: deflection of largest magnitude</th>"), "{name}");
         let plan = barwave(folder, "plan", name, &[], &["--json"]);
         let plan: Value = serde_json::from_slice(&plan.stdout).expect("one JSON value");
         assert!(plan["equation"].as_str().is_some_and(|e| !e.is_empty()) && plan["output"] == "", "{plan}");

@@ -37,6 +37,10 @@ pub fn write_impact(
         put_text(&group, "validity", &solution.validity)?;
         solution.figures.iter().filter(|figure| figure.value.is_finite()).try_for_each(|f| write_figure(&group, f))?;
         solution.tables.iter().try_for_each(|table| write_table(&group, table))?;
+        for (name, figures) in &solution.gauges {
+            let group = group_at(&group, &format!("gauges/{name}"))?;
+            figures.iter().filter(|figure| figure.value.is_finite()).try_for_each(|f| write_figure(&group, f))?;
+        }
         solution.shapes.iter().try_for_each(|shapes| write_shapes(&group, shapes))?;
         put_quantity(file, "wall_seconds", wall_seconds, "s")?;
         put(file, "cell_steps", &0_u64)?;
@@ -177,10 +181,7 @@ impl ResultFile {
 
 fn read(kind: String, group: &Group) -> Hdf<StoredImpact> {
     let sentence = |name| get_text(group, name).unwrap_or_default();
-    let mut figures = Vec::new();
-    for dataset in group.datasets()?.iter().filter(|dataset| dataset.is_scalar()) {
-        figures.push((get_text(dataset, "long_name")?, get_text(dataset, "units")?, dataset.read_scalar()?));
-    }
+    let mut figures = read_figures(group, "")?;
     let mut tables = Vec::new();
     for (parent, prefix) in [("contact", ""), ("gauges", "*"), ("ledger", "")] {
         if !group.link_exists(parent) {
@@ -190,7 +191,11 @@ fn read(kind: String, group: &Group) -> Hdf<StoredImpact> {
         if prefix.is_empty() {
             tables.push(read_table(&parent)?);
         } else {
-            let mut gauges = parent.groups()?.iter().map(read_table).collect::<Hdf<Vec<_>>>()?;
+            let groups = parent.groups()?;
+            let mut gauges = groups.iter().map(read_table).collect::<Hdf<Vec<_>>>()?;
+            for (group, table) in groups.iter().zip(&gauges) {
+                figures.extend(read_figures(group, &format!("gauge {}: ", table.name))?);
+            }
             gauges.sort_by(|a, b| a.x.unwrap_or(0.0).total_cmp(&b.x.unwrap_or(0.0)));
             tables.extend(gauges);
         }
@@ -200,9 +205,20 @@ fn read(kind: String, group: &Group) -> Hdf<StoredImpact> {
     Ok(StoredImpact { kind, equation: sentence("equation"), validity: sentence("validity"), figures, tables, shapes })
 }
 
+/// The scalars of a group; `place` stands before their names.
+fn read_figures(group: &Group, place: &str) -> Hdf<Vec<(String, String, f64)>> {
+    let datasets = group.datasets()?;
+    let scalars = datasets.iter().filter(|dataset| dataset.is_scalar());
+    let read = |dataset: &hdf5::Dataset| {
+        let long_name = get_text(dataset, "long_name")?;
+        Ok((format!("{place}{long_name}"), get_text(dataset, "units")?, dataset.read_scalar()?))
+    };
+    scalars.map(read).collect()
+}
+
 fn read_table(group: &Group) -> Hdf<StoredTable> {
     let mut columns = Vec::new();
-    for dataset in group.datasets()? {
+    for dataset in group.datasets()?.into_iter().filter(|dataset| !dataset.is_scalar()) {
         let column = StoredColumn {
             units: get_text(&dataset, "units")?,
             long_name: get_text(&dataset, "long_name")?,

@@ -44,7 +44,8 @@ pub(crate) struct Args {
     /// Bracket the value by simulation: bars below and above, by front tracking and on a grid.
     #[arg(long)]
     simulate: bool,
-    /// Contribution of each strain interval, and change of the critical velocity per 1 % of the stress in it.
+    /// Contribution of each strain interval, and derivative of the critical velocity with respect to the stress in it, per 1 %: for small
+    /// changes.
     #[arg(long)]
     sensitivity: bool,
     /// Apparent critical velocity with the material's own rate law, by simulation.

@@ -32,9 +32,11 @@ mod width;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::builder::ValueParser;
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, value_parser};
 
 use crate::error::{InputError, Result};
+use crate::units::Quantity;
 
 /// Heading of the options that every command has: clap lists them between its own ones otherwise.
 const OF_ALL: &str = "Options of all commands";
@@ -117,7 +119,7 @@ pub fn main() -> ExitCode {
     if settings::verbose() {
         details::show();
     }
-    let parsed = Cli::command().color(settings::parser_colors()).try_get_matches();
+    let parsed = with_signs(Cli::command()).color(settings::parser_colors()).try_get_matches();
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) => return usage(&error),
@@ -129,6 +131,16 @@ pub fn main() -> ExitCode {
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// Options for numbers take those with a minus sign, so that they are answered with the allowed range.
+fn with_signs(command: clap::Command) -> clap::Command {
+    let numbers = [ValueParser::from(value_parser!(f64)), ValueParser::from(value_parser!(Quantity))];
+    let is_number = |arg: &Arg| {
+        arg.get_long().is_some() && numbers.iter().any(|of| of.type_id() == arg.get_value_parser().type_id())
+    };
+    let command = command.mut_args(|arg| if is_number(&arg) { arg.allow_hyphen_values(true) } else { arg });
+    command.mut_subcommands(with_signs)
 }
 
 /// Help, the version, or a usage error.

@@ -29,7 +29,8 @@ impl Document {
                 None => error,
             };
         }
-        let tidy = plain_types(&message.trim().replace('\n', "; "), self.text.get(span.clone()).unwrap_or_default());
+        let value = self.text.get(span.clone()).unwrap_or_default();
+        let tidy = plain_types(&message.trim().replace('\n', "; "), value, word_or_table(&key));
         if message.starts_with("duplicate key") {
             let twice = self.text.get(span.clone()).unwrap_or_default().trim().to_owned();
             return self.error(span, &twice, "duplicate key").help("keep one of the two");
@@ -88,10 +89,20 @@ impl Document {
     }
 }
 
+/// What to write for a key that takes a word or a table, of which the reader says no more.
+fn word_or_table(key: &str) -> &'static str {
+    match key {
+        "effects.hardening" => "\"isotropic\", \"kinematic\", or a table such as { mixed = 0.3 }",
+        "effects.rupture" => "\"critical-strain\", or a table such as { spall = \"2 GPa\" }",
+        _ => "a string or a table",
+    }
+}
+
 /// The reader's words for types as users know them: `struct RawSolve` is a table. `value` is the text that it read.
-fn plain_types(message: &str, value: &str) -> String {
+/// `choice` is what a key takes that is either a word or a table.
+fn plain_types(message: &str, value: &str, choice: &str) -> String {
     if message == "wanted string or table" {
-        return format!("found `{value}`, expected a string or a table");
+        return format!("found `{value}`, expected {choice}");
     }
     let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
     let expected = match expected {

@@ -57,8 +57,9 @@ impl Overrides {
         if self.0.is_empty() || error.place.as_ref().is_none_or(|p| p.file != original.file) {
             return error.into();
         }
-        // The last one wins, as in the text.
-        if let Some(one) = self.0.iter().rev().find(|o| o.concerns(&error.key)) {
+        // The last one wins, as in the text. A table that the file lacks was made by the override of a key in it.
+        let is_new = original.span_of(&error.key).is_none();
+        if let Some(one) = self.0.iter().rev().find(|o| o.concerns(&error.key) || is_new && o.is_inside(&error.key)) {
             return one.place(error).into();
         }
         match original.span_of(&error.key) {
@@ -123,9 +124,21 @@ impl Override {
         key == own || key.strip_prefix(&own).is_some_and(|rest| rest.starts_with('.'))
     }
 
+    /// Whether a key of an error is that of a table around the one set here.
+    fn is_inside(&self, key: &str) -> bool {
+        self.key.join(".").strip_prefix(key).is_some_and(|rest| rest.starts_with('.'))
+    }
+
+    /// Marks the value, or the part of the key that an error is about.
     fn place(&self, error: InputError) -> InputError {
         let start = self.typed.find('=').map_or(0, |i| i + 1);
-        let span = if start < self.typed.len() { start..self.typed.len() } else { 0..self.typed.len() };
+        let part = error.key.rsplit('.').next().unwrap_or_default();
+        let is_of_key = error.place.as_ref().is_some_and(|place| place.text.get(place.span.clone()) == Some(part));
+        let span = match self.typed[..start].rfind(part) {
+            Some(at) if is_of_key => at..at + part.len(),
+            _ if start < self.typed.len() => start..self.typed.len(),
+            _ => 0..self.typed.len(),
+        };
         error.at(Place { file: "--set".into(), text: self.typed.as_str().into(), span })
     }
 

@@ -138,10 +138,16 @@ fn common(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 /// Differences of result files from the first one.
 ///
 /// # Errors
-/// A file without a bar or frames, or bars or times without a common part.
+/// A file without a bar or frames, bars in torsion beside others, or bars or times without a common part.
 pub fn compare_results(files: &[ResultFile]) -> Result<Vec<Difference>> {
     files.iter().try_for_each(ResultFile::needs_bar)?;
     let Some((first, others)) = files.split_first() else { return Ok(Vec::new()) };
+    if let Some(other) = others.iter().find(|other| other.is_in_torsion() != first.is_in_torsion()) {
+        let kind = |file: &ResultFile| if file.is_in_torsion() { "in torsion" } else { "loaded along its axis" };
+        let [a, b] = [first, other].map(|file| format!("{} is a bar {}", file.path().display(), kind(file)));
+        let help = "compare results in torsion with each other; stresses and velocities of others are other quantities";
+        return Err(InputError::new(format!("{a}, and {b}")).help(help).into());
+    }
     others.iter().map(|other| difference(first, other)).collect()
 }
 

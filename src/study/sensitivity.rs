@@ -26,8 +26,8 @@ pub struct Interval {
     pub contribution_m_s: f64,
     /// The same over the critical velocity.
     pub share: f64,
-    /// Change of the critical velocity where the stress is raised by 1 % in the middle of the interval, and by a part of it that falls in
-    /// straight lines to zero in the middles of its neighbours, m/s. From 0.1 % more and 0.1 % less.
+    /// Derivative of the critical velocity with respect to the stress, m/s per 1 % of it, where the stress is raised in the middle of the
+    /// interval, and by a part that falls in straight lines to zero in the middles of its neighbours. From 0.1 % more and 0.1 % less.
     pub per_percent_of_stress_m_s: f64,
 }
 

@@ -295,6 +295,13 @@ fn numbers_out_of_place_are_answered_with_right_ones() {
     assert!(refused("run a.toml --threads 0").contains("allowed: 1 <= threads <= 1024"));
     let said = refused("run a.toml --set solve.cells=abc");
     assert!(said.contains("help: write a whole number, e.g. cells = 1000") && !said.contains("10 in"), "{said}");
+    assert!(refused("run a.toml --set lleft.value=abc").contains("--> --set:1:1\n"));
+    assert!(refused("run a.toml --set effects.rupture=true").contains("\"critical-strain\", or a table"));
+    for negative in ["critical copper-annealed --rate --length -1", "study tension-impact copper-annealed --length -1"]
+    {
+        let said = refused(negative);
+        assert!(said.contains("allowed: ") && !said.contains("unexpected argument"), "{said}");
+    }
     assert!(refused("stability 01 -o x.txt").contains(".md"));
     assert!(refused("compare a.h5").contains("at least 2 result files"));
     assert!(!refused("cost a.toml --budget 2x").contains("did you mean"));

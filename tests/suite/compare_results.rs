@@ -112,6 +112,13 @@ fn wrong_comparisons_are_refused() {
     assert!(refused(path, &["compare", "a.h5", "mild-steel"]).contains("1 of 2 names"));
     assert!(refused(path, &["compare", "a.h5", "b.h5"]).contains("no such file"));
     assert!(refused(path, &["compare", "a.h5", "a.h5", "--field", "temperature"]).contains("temperature"));
+    let tube = concat!(env!("CARGO_MANIFEST_DIR"), "/runs/torsion-tube.toml");
+    done(path, &["run", tube, "-o", "tube.h5", "--quiet"]);
+    let message = refused(path, &["compare", "tube.h5", "a.h5"]);
+    assert!(
+        message.contains("tube.h5 is a bar in torsion") && message.contains("a.h5 is a bar loaded along"),
+        "{message}"
+    );
     assert!(refused(path, &["compare", "unobtainium*"]).contains("no material matches"));
 }
 

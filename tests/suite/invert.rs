@@ -390,6 +390,13 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
     // One wave and three waves agree in the mean: their stresses at the end of the loading differ by the imbalance.
     let table = std::fs::read_to_string(path.join("moments.csv")).expect("a table");
     assert!(table.lines().count() > 400 && table.starts_with("time_s,strain,rate_1_s,stress_Pa,strain_one_wave,"));
+    // The mean strain rate is that of the moments between the two times that are stated with it.
+    let rows = table.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().expect("a number")).collect());
+    let rows: Vec<Vec<f64>> = rows.collect();
+    let [from, to] = [0, 1].map(|k| measured["mean_rate_between_s"][k].as_f64().expect("a time"));
+    let rates: Vec<f64> = rows.iter().filter(|row| (from..=to).contains(&row[0])).map(|row| row[2]).collect();
+    let mean = rates.iter().sum::<f64>() / rates.len() as f64;
+    assert!((measured["mean_rate_1_s"].as_f64().expect("a rate") / mean - 1.0).abs() < 1e-6, "{mean}");
     // Nothing is written where there is no equilibrium.
     arguments.extend(["--equilibrium", "0.01 %", "--force"]);
     arguments.retain(|argument| *argument != "--json");

@@ -293,6 +293,43 @@ fn a_field_that_no_gauge_records_is_read_from_the_frames() {
     assert!(svg.contains("data-y=\"-2e-1 4.2e0\""), "{svg}");
 }
 
+/// The levels behind fronts mean nothing once they have met other waves.
+#[test]
+fn theory_is_drawn_while_its_fronts_run() {
+    let folder = tempfile::tempdir().unwrap();
+    for (last_seen, is_drawn) in [(1e-4, true), (1e-5, false)] {
+        let path = folder.path().join(format!("{is_drawn}.h5"));
+        let fronts = [FrontRow { last_seen, ..front(5000.0, 1e8) }];
+        start(&path, 11, 1e8).finish("done", &fronts, &[], RunFigures::default()).unwrap();
+        let figure = Figure { panels: vec![PanelName::Profiles], ..Figure::default() };
+        let svg = draw(&ResultFile::open(&path).unwrap(), &figure).unwrap().svg();
+        assert_eq!(svg.contains("behind each front at its start"), is_drawn, "{last_seen}");
+    }
+}
+
+/// What rings would hide the other lines.
+#[test]
+fn ringing_is_drawn_pale() {
+    let folder = tempfile::tempdir().unwrap();
+    for (count, is_pale) in [(10, false), (500, true)] {
+        let zeros: Vec<f64> = (0..count).map(|_| 0.0).collect();
+        let path = folder.path().join(format!("{count}.h5"));
+        let mut writer = start(&path, 2, 1e8);
+        let trace = Trace {
+            time: (0..count).map(|i| 1e-5 + 1e-9 * f64::from(i)).collect(),
+            stress: (0..count).map(|i| if i % 2 == 0 { 1e8 } else { -1e8 }).collect(),
+            strain: zeros.clone(),
+            velocity: zeros,
+            ..Trace::default()
+        };
+        writer.gauge(0, trace).unwrap();
+        drop(writer);
+        let figure = Figure { panels: vec![PanelName::Gauges], ..Figure::default() };
+        let svg = draw(&ResultFile::open(&path).unwrap(), &figure).unwrap().svg();
+        assert_eq!(svg.contains("stroke-opacity=\"0.350\""), is_pale, "{count}");
+    }
+}
+
 #[test]
 fn a_spike_that_the_axis_cuts_off_is_named() {
     let folder = tempfile::tempdir().unwrap();

@@ -40,7 +40,7 @@ pub(super) struct Args {
     #[arg(long, value_parser = quantity::positive(Dimension::Length))]
     length: Option<f64>,
     /// Time at which the loading starts.
-    #[arg(long, default_value = "0 s", value_parser = quantity::any(Dimension::Time), allow_hyphen_values = true)]
+    #[arg(long, default_value = "0 s", value_parser = quantity::any(Dimension::Time))]
     start: f64,
     /// The loading is sudden: all strains leave the loaded end at --start.
     #[arg(long)]

@@ -189,7 +189,8 @@ fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curv
                 100.0 * imbalance
             ),
         );
-        lines.add("mean strain rate", std::format!("{rate:.0} 1/s"));
+        let between = reduced.mean_rate_between_s.unwrap_or_default().map(|time| show(time, Dimension::Time));
+        lines.add("mean strain rate", std::format!("{rate:.0} 1/s, from {} to {}", between[0], between[1]));
     }
     let loaded = reduced.moments.iter().take_while(|m| m.time_s <= reduced.loading_until_s).last();
     if let Some(last) = loaded.filter(|last| last.time_s < reduced.window_s) {

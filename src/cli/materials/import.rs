@@ -28,7 +28,7 @@ pub(super) struct Args {
     #[arg(required = true, value_name = "RECORD")]
     records: Vec<PathBuf>,
     /// Mass per volume, e.g. "7.85 g/cm^3".
-    #[arg(long)]
+    #[arg(long, allow_hyphen_values = true)]
     density: String,
     /// Column of strain, by heading or number from 1 (default: found by its heading).
     #[arg(long, alias = "strain-col", value_name = "COLUMN", conflicts_with = "extension_column")]
@@ -49,16 +49,16 @@ pub(super) struct Args {
     #[arg(long)]
     unit: Option<String>,
     /// Gauge length, which converts extensions to strains, e.g. "25 mm".
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH")]
     gauge_length: Option<Quantity>,
     /// Initial cross-section, which converts forces to stresses, e.g. "28.3 mm^2".
-    #[arg(long, conflicts_with = "diameter", allow_hyphen_values = true)]
+    #[arg(long, conflicts_with = "diameter")]
     area: Option<Quantity>,
     /// Initial diameter of a round specimen, e.g. "6 mm".
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long)]
     diameter: Option<Quantity>,
     /// Elastic modulus, e.g. "207 GPa" (default: that of the record).
-    #[arg(long, allow_hyphen_values = true)]
+    #[arg(long)]
     modulus: Option<Quantity>,
     /// The extensions include those of machine and grips: correct strains so that the elastic line has the modulus of --modulus.
     #[arg(long, requires = "modulus")]
@@ -70,7 +70,7 @@ pub(super) struct Args {
     #[arg(long, default_value_t = Reduce::TOLERANCE)]
     tolerance: f64,
     /// Width in strain of the window of the smoothing, e.g. 0.005 or "0.5 %" (default: as wide as curve and noise allow).
-    #[arg(long, value_name = "STRAIN", allow_hyphen_values = true)]
+    #[arg(long, value_name = "STRAIN")]
     smooth: Option<Quantity>,
     /// Toe correction: `on` shifts strains so that the elastic line starts at zero, `off` keeps them as recorded.
     #[arg(long, value_enum, default_value = "on")]

@@ -23,19 +23,19 @@ pub(crate) struct Args {
     subject: String,
     /// Impact velocities, separated by commas; with --to and --count the first one of a range [default: 27 from 7.5 % to 137.5 % of the
     /// critical velocity].
-    #[arg(long, value_name = "V,...", value_delimiter = ',')]
+    #[arg(long, value_name = "V,...", allow_hyphen_values = true, value_delimiter = ',')]
     velocities: Vec<String>,
     /// Last velocity of a range.
-    #[arg(long, value_name = "V", requires = "count", requires = "velocities")]
+    #[arg(long, value_name = "V", allow_hyphen_values = true, requires = "count", requires = "velocities")]
     to: Option<String>,
     /// Number of velocities of a range.
     #[arg(long, value_name = "N", requires = "to")]
     count: Option<u32>,
     /// Gauge length; for a material.
-    #[arg(long, value_name = "LENGTH", default_value = "200 mm")]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, default_value = "200 mm")]
     length: String,
     /// Diameter; for a material.
-    #[arg(long, value_name = "LENGTH", default_value = "8 mm")]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, default_value = "8 mm")]
     diameter: String,
     /// The end that is not struck; for a material.
     #[arg(long, value_enum, default_value = "fixed")]

@@ -46,7 +46,7 @@ pub struct Metadata {
     pub scene_resolved: String,
     /// Overrides, as typed.
     pub overrides: Vec<String>,
-    /// Effects that were simulated.
+    /// Effects that the run took into account, with plasticity if the bar could yield.
     pub effects: Vec<String>,
     /// Notes on problematic settings of the scene; empty in files of older programs.
     pub notes: Vec<String>,
@@ -264,6 +264,11 @@ impl ResultFile {
             let group = file.group("material")?;
             group.member_names()?.iter().map(|name| read_material(&group.group(name)?)).collect()
         })
+    }
+
+    /// Of a bar in torsion: its stresses, strains and velocities are those of shear.
+    pub fn is_in_torsion(&self) -> bool {
+        self.run(|file| Ok(get_text(file, "mode").is_ok())).unwrap_or(false)
     }
 
     pub(super) fn run<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {

@@ -97,9 +97,11 @@ pub struct Reduced {
     pub equilibrium_from_strain: Option<f64>,
     /// Largest difference of the faces over their mean from then on.
     pub imbalance: Option<f64>,
-    /// Mean strain rate in equilibrium, 1/s.
+    /// Mean strain rate in equilibrium, over time, 1/s.
     #[serde(rename = "mean_rate_1_s")]
     pub mean_rate: Option<f64>,
+    /// First and last moment of that mean, s: those of the curve.
+    pub mean_rate_between_s: Option<[f64; 2]>,
     /// Time over which dispersion on the way between the gauges spreads a sharp front, s.
     pub dispersion_s: f64,
     /// The curve in equilibrium.
@@ -156,6 +158,7 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
         equilibrium_from_strain: None,
         imbalance: None,
         mean_rate: None,
+        mean_rate_between_s: None,
         dispersion_s: dispersion(setup, options.poisson),
         curve: Vec::new(),
         warnings,
@@ -338,6 +341,7 @@ fn equilibrium(reduced: &mut Reduced, tolerance: f64, half: usize, end: usize) {
     reduced.equilibrium_from_strain = Some(moments[from].strain);
     reduced.imbalance = Some(imbalance[from..end].iter().fold(0.0, |top, r| top.max(*r)));
     reduced.mean_rate = Some(settled.iter().map(|m| m.rate).sum::<f64>() / settled.len() as f64);
+    reduced.mean_rate_between_s = Some([moments[from].time_s, moments[end - 1].time_s]);
     reduced.curve = knots(settled, &front[from..end], &back[from..end]);
 }
 

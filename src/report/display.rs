@@ -32,9 +32,14 @@ impl Unit {
         Self { factor, symbol }
     }
 
+    /// The symbol as it is printed, with raised dots in products.
+    fn printed(self) -> String {
+        self.symbol.replace('*', "\u{b7}")
+    }
+
     /// `name (unit)`.
     pub fn label(self, name: &str) -> String {
-        if self.symbol.is_empty() { name.to_owned() } else { format!("{name} ({})", self.symbol) }
+        if self.symbol.is_empty() { name.to_owned() } else { format!("{name} ({})", self.printed()) }
     }
 
     /// A value with its unit, four digits.
@@ -43,7 +48,7 @@ impl Unit {
             return "\u{2013}".into();
         }
         let number = four_digits(value * self.factor);
-        if self.symbol.is_empty() { number } else { format!("{number} {}", self.symbol) }
+        if self.symbol.is_empty() { number } else { format!("{number} {}", self.printed()) }
     }
 
     /// A value with its unit for legends: at most four digits, no idle zeros.
@@ -54,7 +59,7 @@ impl Unit {
         } else {
             number
         };
-        format!("{number} {}", self.symbol).trim_end().to_owned()
+        format!("{number} {}", self.printed()).trim_end().to_owned()
     }
 
     /// A value without its unit, four digits; a dash where there is none.
@@ -193,6 +198,7 @@ mod tests {
         // 1 ksi = 1000 lbf/in^2 = 6.894757293... MPa, to the digits usually printed.
         assert!((Units::Us.stress().factor * 6.894_757_293_168_36e6 - 1.0).abs() < 1e-14);
         assert_eq!(Units::Us.velocity().show(30.48), "100.0 ft/s");
+        assert_eq!(Units::Si.of_symbol("N*m", 2.0).label("torque"), "torque (N\u{b7}m)");
         // 1 lb/in^3 = 27679.9047 kg/m^3.
         assert_eq!(Units::Us.density().number(27_679.904_71 * 0.284), "0.2840");
     }

@@ -71,11 +71,13 @@ fn shown(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 fn series(tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Vec<Series> {
-    let mut series = Vec::new();
+    let alone = tests.len() == 1;
+    let record = |(i, test): (usize, &Drawn<'_>)| {
+        let name = if alone { "record" } else { ["records", ""][i.min(1)] };
+        Series::line(name, shown(test.record), Stroke::new("#9a9a9a", 1.0))
+    };
+    let mut series: Vec<Series> = tests.iter().enumerate().map(record).collect();
     for (i, test) in tests.iter().enumerate() {
-        let alone = tests.len() == 1;
-        let record = if alone { "record" } else { ["records", ""][i.min(1)] };
-        series.push(Series::line(record, shown(test.record), Stroke::new("#9a9a9a", 1.0)));
         let (legend, width) = if alone { ("curve", 1.6) } else { (test.name, TEST) };
         let stroke = Stroke::new(colour(i), width).dashed(DASHES[i % DASHES.len()]);
         series.push(Series::line(legend, shown(&test.reduction.knots), stroke));
@@ -88,21 +90,27 @@ fn series(tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Vec<S
             }
         }
     }
-    if let Some((rows, scatter)) = mean {
-        let band = |sign: f64| -> Vec<(f64, f64)> {
-            let rows = scatter.deviation.iter().filter_map(|&(e, d)| {
-                let k = rows.iter().position(|row| row.0 >= e)?;
-                Some((e, rows[k].1 + sign * d))
-            });
-            shown(&rows.collect::<Vec<_>>())
-        };
-        let from_zero: Vec<_> = std::iter::once((0.0, 0.0)).chain(rows.iter().copied()).collect();
-        series.push(Series::line("mean", shown(&from_zero), Stroke::new("#000000", 0.9)));
-        let thin = Stroke::new("#000000", 0.9).dashed("1.5 3.5");
-        series.push(Series::line("mean \u{b1} standard deviation", band(1.0), thin.clone()));
-        series.push(Series::line("", band(-1.0), thin));
-    }
+    series.extend(mean.into_iter().flat_map(|(rows, scatter)| with_band(rows, scatter)));
     series
+}
+
+/// The mean of several tests and a band of one standard deviation, thin above the curves of the tests.
+fn with_band(rows: &[(f64, f64)], scatter: &Scatter) -> [Series; 3] {
+    let band = |sign: f64| -> Vec<(f64, f64)> {
+        let rows = scatter.deviation.iter().filter_map(|&(e, d)| {
+            let k = rows.iter().position(|row| row.0 >= e)?;
+            Some((e, rows[k].1 + sign * d))
+        });
+        shown(&rows.collect::<Vec<_>>())
+    };
+    let from_zero: Vec<_> = std::iter::once((0.0, 0.0)).chain(rows.iter().copied()).collect();
+    let thin = Stroke::new("#000000", 0.9);
+    let dotted = thin.clone().dashed("1.5 3.5");
+    [
+        Series::line("mean", shown(&from_zero), thin),
+        Series::line("mean \u{b1} standard deviation", band(1.0), dotted.clone()),
+        Series::line("", band(-1.0), dotted),
+    ]
 }
 
 /// The line of the modulus through a plastic strain of 0.2 %, with its crossing.

@@ -388,6 +388,8 @@ fn repeats_give_one_curve_with_a_band_that_critical_uses() {
     ];
     let output = barwave(folder.path(), &arguments);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let svg = std::fs::read_to_string(folder.path().join("m.svg")).expect("the figure");
+    assert!([", slow tension tests", ">records<", ">4.csv<"].iter().all(|words| svg.contains(words)), "{svg}");
     let critical = |threads: &str| {
         let output = barwave(folder.path(), &["critical", "m.toml", "--json", "--threads", threads]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -156,7 +156,7 @@ fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
         return if stressed { sudden_fans::at_ends_of_segments(scene) } else { first };
     }
     let stepped = as_stepped(scene, grid);
-    let later = sudden_fans::tracked_on(grid, &stepped, scene.solve.until);
+    let later = sudden_fans::tracked(&stepped, scene.solve.until);
     sudden_fans::with_later(first, &later, &stepped, (grid, late))
 }
 

@@ -510,8 +510,9 @@ mod tests {
 
     #[test]
     fn a_history_holds_its_value_up_to_the_row_before_another() {
-        let until =
-            |rows: &[(f64, f64)], value: f64| holds_until(&History::new(rows).expect("rows are in order"), value, 0.0);
+        let until = |rows: &[(f64, f64)], value: f64| {
+            History::new(rows).expect("rows are in order").stays_near(0.0, value, 0.0)
+        };
         assert_eq!(until(&[(0.0, 3.0)], 3.0), f64::INFINITY);
         assert_eq!(until(&[(0.0, 0.0), (0.0, 3.0), (2.0, 3.0), (2.0, 0.0)], 3.0), 2.0);
         assert_eq!(until(&[(0.0, 3.0), (1.0, 3.0), (2.0, 0.0), (4.0, 3.0)], 3.0), 1.0);
@@ -519,7 +520,7 @@ mod tests {
         assert_eq!(until(&[(0.0, 0.0), (2.0, 3.0)], 3.0), 0.0);
         assert_eq!(until(&[(1.0, 3.0), (2.0, 3.0)], 3.0), 0.0);
         let drifting = History::new(&[(0.0, 3.0), (1.0, 3.0), (2.0, 4.0)]).expect("rows are in order");
-        assert_eq!(holds_until(&drifting, 3.0, 0.25), 1.25);
+        assert_eq!(drifting.stays_near(0.0, 3.0, 0.25), 1.25);
     }
 
     /// -34.1 + 68.4 is not 34.3: the end had no fan, and the first cell 22 % too much strain.
@@ -527,7 +528,7 @@ mod tests {
     fn a_velocity_holds_whatever_rounding_makes_of_its_difference_to_that_of_the_bar() {
         let history = History::constant(34.3);
         let (peak, _) = peak(&history, -34.1);
-        assert_eq!(holds_until(&history, -34.1 + peak, ROUND_OFF * 100.0), f64::INFINITY);
+        assert_eq!(history.stays_near(0.0, -34.1 + peak, ROUND_OFF * 100.0), f64::INFINITY);
         assert_ne!(-34.1 + peak, 34.3);
     }
 }

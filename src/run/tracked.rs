@@ -381,24 +381,29 @@ impl<'a> Run<'a> {
     }
 
     /// The segments now. Strain that has gathered in a point of a level curve counts; the
-    /// opening of a joint does not.
+    /// opening of a joint or of a fracture does not.
     fn segments(&self) -> Vec<SegmentEnd> {
         let segments = &self.recorder.scene.bar.segments;
         let inside = BESIDE_JOINT * self.recorder.scene.bar.length();
-        let (mut places, mut end) = (Vec::with_capacity(2 * segments.len()), 0.0);
+        let (mut of, mut places, mut end) = (Vec::new(), Vec::with_capacity(2 * segments.len()), 0.0);
         for (k, segment) in segments.iter().enumerate() {
             let start = end;
             end += segment.length;
+            let broken = self.bar.ruptures().iter().map(|rupture| rupture.x);
+            let mut broken: Vec<f64> = broken.filter(|&x| start + inside < x && x < end - inside).collect();
+            broken.sort_by(f64::total_cmp);
             places.push(if k == 0 { start } else { start + inside });
+            places.extend(broken.iter().flat_map(|x| [x - inside, x + inside]));
             places.push(if k + 1 == segments.len() { end } else { end - inside });
+            of.extend(std::iter::repeat_n(k, broken.len() + 1));
         }
         let mut displacements = vec![0.0; places.len()];
         self.bar.displacements(&places, &mut displacements);
-        let stretched = |ends: &[f64]| {
+        let mut segments = vec![SegmentEnd::default(); segments.len()];
+        for (k, ends) in of.into_iter().zip(displacements.chunks_exact(2)) {
             let elongation = ends[1] - ends[0];
-            SegmentEnd { elongation, plastic_elongation: elongation, ..SegmentEnd::default() }
-        };
-        let mut segments: Vec<_> = displacements.chunks_exact(2).map(stretched).collect();
+            segments[k].add(&SegmentEnd { elongation, plastic_elongation: elongation, ..SegmentEnd::default() });
+        }
         for piece in self.bar.pieces() {
             let (medium, point, length) = (self.bar.medium(piece.segment), piece.point, piece.to - piece.from);
             let mass = self.bar.mass_of(&piece);

@@ -81,9 +81,14 @@ impl Scene {
         let segment = self.bar.segments.iter().find(several)?;
         Some(format!(
             "the hardening curve of {} has several straight segments, and the back stress depends on the accumulated plastic \
-             strain: reverse flow may return more plastic work than was stored; use hardening = \"kinematic\" without rate and \
+             strain{}: reverse flow may return more plastic work than was stored; use hardening = \"kinematic\" without rate and \
              heat, or {{ mixed = 0.5 }} or less",
-            segment.material.name
+            segment.material.name,
+            match self.effects.hardening? {
+                HardeningRule::Kinematic =>
+                    ", as with { mixed = 1 } (the overlay model of \"kinematic\" needs rate and heat to be off)",
+                _ => "",
+            }
         ))
     }
 

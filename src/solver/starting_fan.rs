@@ -200,6 +200,11 @@ impl StartingFan {
         step == self.first
     }
 
+    /// How far its slowest front travels in steps of `dt` (s) while it is imposed, m.
+    pub fn imposed_over(&self, dt: f64) -> f64 {
+        self.fronts.last().map_or(0.0, |front| front.speed * self.steps.saturating_sub(self.first) as f64 * dt)
+    }
+
     /// This is the last step at the end of which it is imposed.
     pub fn ends_at(&self, step: usize) -> bool {
         step + 1 == self.steps

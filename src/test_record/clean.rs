@@ -59,6 +59,9 @@ pub(super) fn count(rows: usize) -> String {
     if rows == 1 { "1 row".into() } else { format!("{rows} rows") }
 }
 
+/// What is said of a record whose negative signs were removed.
+pub(super) const NEGATIVE_SIGNS: &str = "negative signs removed: curves are given as magnitudes";
+
 /// Compression is often written with negative signs, of one column or both.
 fn magnitudes(record: &[(f64, f64)], changes: &mut Vec<String>) -> Vec<(f64, f64)> {
     let sign = |pick: fn(&(f64, f64)) -> f64| {
@@ -67,7 +70,7 @@ fn magnitudes(record: &[(f64, f64)], changes: &mut Vec<String>) -> Vec<(f64, f64
     };
     let (strain, stress) = (sign(|row| row.0), sign(|row| row.1));
     if strain < 0.0 || stress < 0.0 {
-        changes.push("negative signs removed: curves are given as magnitudes".into());
+        changes.push(NEGATIVE_SIGNS.into());
     }
     record.iter().map(|&(e, s)| (strain * e, stress * s)).collect()
 }

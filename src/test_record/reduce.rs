@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::clean::{clean, count};
+use super::clean::{NEGATIVE_SIGNS, clean, count};
 use super::decimate::decimate;
 use super::modulus::{ElasticLine, Variances, elastic_line};
 use super::smooth::{FLOOR, Smooth, smooth};
@@ -68,6 +68,13 @@ pub struct Reduction {
     pub knots: Vec<(f64, f64)>,
     /// One sentence for each change of the record.
     pub changes: Vec<String>,
+}
+
+impl Reduction {
+    /// Strains or stresses had negative signs, as they often have in compression.
+    pub fn had_negative_signs(&self) -> bool {
+        self.changes.iter().any(|change| change == NEGATIVE_SIGNS)
+    }
 }
 
 /// Reduces a record (engineering strain, engineering stress in Pa, in the order of the test) to a curve.

@@ -364,6 +364,22 @@ fn lateral_inertia_is_estimated_for_short_pulses_and_for_moving_bars() {
     }
 }
 
+/// The note named a key that the scene cannot have: lateral inertia goes with no contact joints.
+#[test]
+fn a_remedy_that_the_scene_cannot_have_is_not_offered() {
+    let steel =
+        "{ density = 8000, modulus = 200e9, poisson = 0.3, curve = { table = [[0.002, 400e6], [0.02, 500e6]] } }";
+    let message = |joint: &str| {
+        let bar = segment(0.2, steel, 5.0, joint) + &segment(0.3, steel, 0.0, "");
+        let found = Case::summary_of(&Case::new(bar, FREE, FREE, "60 us").scene("cells = 200"));
+        let rows = found["audit"].as_array().expect("an audit").clone();
+        rows.iter().find(|row| row["effect"] == "lateral-inertia").expect("an estimate").to_string()
+    };
+    assert!(message("").contains("Add `lateral-inertia = true`"), "{}", message(""));
+    let with_contact = message("joint = \"contact\"");
+    assert!(!with_contact.contains("Add ") && with_contact.contains("together with contact joints"), "{with_contact}");
+}
+
 /// A velocity that jumps later started without its fan: the force at the end was 5 to 13 % too large, the strain of the first cells up to 26 %. So did one
 /// that starts with a jump and then grows, even after the end of the run.
 #[test]
@@ -382,6 +398,16 @@ fn a_velocity_jumps_later() {
         case.assert_near(name, "left/peak_force_N", cells, 0.001);
         case.assert_near(name, "residual_strain_largest", cells, 0.025);
     }
+}
+
+/// Whether the fan of the first velocity had ended when the second one came was a matter of rounding: with 330 to 340 and 380 to 400 cells the strain was 18 %
+/// too large.
+#[test]
+fn a_velocity_jumps_while_its_first_fan_is_narrow() {
+    let left = "kind = \"velocity\"\nhistory = [[0, -20], [2e-5, -20], [2e-5, -60]]";
+    let case = Case::new(segment(0.5, "\"copper-annealed\"", 0.0, ""), left, FREE, "60 us");
+    case.assert_near("narrow", "residual_strain_largest", &[340, 360, 400], 0.01);
+    case.assert_near("narrow", "left/peak_force_N", &[340, 360, 400], 0.001);
 }
 
 /// A stress that jumps later started without its fan: the strain of the first cells was 2 to 9 % too large by leapfrog, 1 to 5 % by the Godunov scheme. The
@@ -403,8 +429,8 @@ fn a_stress_jumps_later() {
     }
 }
 
-/// The fan of a stress that is thrown back was followed until it met the plastic front before it, which is spread over cells on a grid: the impulse was
-/// 1.2 % too small.
+/// A fan that is followed until it meets the plastic front of an earlier load, which is spread over cells on a grid, takes an impulse from it: 1.2 % of that
+/// of the stress.
 #[test]
 fn a_fan_that_meets_a_plastic_front_takes_no_impulse_from_it() {
     let left = "kind = \"stress\"\nhistory = [[0, -300e6], [2e-5, -300e6], [2e-5, 300e6]]";

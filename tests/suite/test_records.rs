@@ -327,6 +327,16 @@ fn measure_toe_and_smoothing_can_be_set() {
     assert!((off / 1e-3 - 1.0).abs() < 0.05, "{off}");
 }
 
+/// A curve of compression was taken for one of tension, and a record of negative loads for a tension test, without a word.
+#[test]
+fn the_sense_of_a_record_is_noted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = csv(&record(&RAMBERG_OSGOOD, &LABORATORY).into_iter().map(|(e, s)| (-e, -s)).collect::<Vec<_>>());
+    let notes = |more: &[&str]| import(folder.path(), "a.csv", &text, more)["notes"].to_string();
+    assert!(notes(&[]).contains("add `--sense compression`"), "{}", notes(&[]));
+    assert!(notes(&["--sense", "compression"]).contains("import a tension test"));
+}
+
 #[test]
 fn the_file_states_what_was_done_and_runs() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -569,8 +569,24 @@ fn json(args: &Args, path: &Path, imported: &[Imported], changes: &[String], mat
         "modulus_Pa": material.modulus,
         "elastic_limit_Pa": material.tension.elastic_limit(material.modulus).1,
         "critical": crate::study::critical::critical(material, Sense::Tension),
-        "notes": material.notes(),
+        "notes": notes(args, imported, material),
     })
+}
+
+/// Of the material, and of a record whose sense is not that of every use of its curve.
+fn notes(args: &Args, imported: &[Imported], material: &Material) -> Vec<String> {
+    let negative = imported.iter().any(|one| one.reduction.as_ref().is_some_and(Reduction::had_negative_signs));
+    let of_sense = match Sense::from(args.sense) {
+        Sense::Compression => Some(
+            "the curve is that of a compression test, and holds in tension, too: there the engineering stress of the same metal is lower at \
+             the same strain and has a maximum; import a tension test for critical velocities in tension",
+        ),
+        Sense::Tension if negative => {
+            Some("the record has negative signs; if the specimen was compressed, add `--sense compression`")
+        }
+        Sense::Tension => None,
+    };
+    material.notes().into_iter().chain(of_sense.map(str::to_owned)).collect()
 }
 
 /// The report for people.
@@ -597,7 +613,7 @@ fn report(args: &Args, path: &Path, imported: &[Imported], changes: &[String], m
     for change in changes {
         let _ = writeln!(text, "  - {change}");
     }
-    for note in material.notes() {
+    for note in notes(args, imported, material) {
         let _ = writeln!(text, "note: {note}");
     }
     if let Some(plot) = &args.plot {

@@ -31,6 +31,12 @@ impl Finding {
         Self { estimate: DECISIVE, neglected: "", text, remedy: include(written) }
     }
 
+    /// No method simulates the effect together with `what`, which the scene has.
+    #[must_use]
+    pub fn not_with(self, what: &str) -> Self {
+        Self { text: format!("{}; not simulated together with {what}", self.text), remedy: String::new(), ..self }
+    }
+
     /// The effect would change nothing, for this reason.
     pub fn nothing(text: impl Into<String>) -> Self {
         Self { estimate: 0.0, neglected: "", text: text.into(), remedy: String::new() }

@@ -72,7 +72,22 @@ fn finding(case: &Case<'_>) -> Finding {
         format(rise, Dimension::Time, System::Si),
     );
     let estimate = (sizes.change / sizes.stress).min(1.0);
-    Finding::of(estimate, "lateral inertia", &basis, "lateral-inertia = true")
+    let finding = Finding::of(estimate, "lateral inertia", &basis, "lateral-inertia = true");
+    match excluded(case) {
+        Some(what) => finding.not_with(what),
+        None => finding,
+    }
+}
+
+/// What of the scene no method simulates together with lateral inertia.
+fn excluded(case: &Case<'_>) -> Option<&'static str> {
+    let any = |has: fn(&Segment) -> bool| case.bar.segments.iter().any(has);
+    let parts = [
+        (any(|segment| matches!(segment.joint, Joint::Contact { .. })), "contact joints"),
+        (any(|segment| segment.taper.is_some()), "tapers"),
+        (!case.off.rupture, "`rupture`"),
+    ];
+    parts.into_iter().find_map(|(has, what)| has.then_some(what))
 }
 
 impl Sizes {

@@ -26,8 +26,8 @@ type Visits = BTreeMap<(u64, usize), Visit>;
 impl FrontTracking {
     /// Follows the bar up to `until` (s), or as far as its event budget goes, and returns the plastic fans that start at ends and joints, in order of
     /// time, as long as only elastic waves of loads that start `at_once`, not of plastic fronts nor of loads that grow, have come there: those are sharp
-    /// on a grid, where fronts of each segment meet others `earlier` (s) than here, as they are spread there. For settings that keep the front segments.
-    pub fn later_fans(mut self, until: f64, at_once: impl Fn(Origin, f64) -> bool, earlier: &[f64]) -> Vec<InitialFan> {
+    /// on a grid. For settings that keep the front segments.
+    pub fn later_fans(mut self, until: f64, at_once: impl Fn(Origin, f64) -> bool) -> Vec<InitialFan> {
         // What is under way at the end of the run meets nothing in it.
         let end = match self.advance_to(until) {
             Ok(()) => f64::INFINITY,
@@ -56,7 +56,7 @@ impl FrontTracking {
                 let later =
                     visits.range((time + 1, 0)..).find(|((_, other), next)| *other == place && !next.leave.is_empty());
                 let next = later.map_or(end, |((time, _), _)| f64::from_bits(*time));
-                let fans = self.fans(place, visit, &fronts, (next, earlier)).into_iter();
+                let fans = self.fans(place, visit, &fronts, next).into_iter();
                 let before = |fan: &InitialFan| came.iter().filter(|&&segment| segment == fan.segment).count();
                 found.extend(fans.map(|fan| InitialFan { waves_before: before(&fan), ..fan }));
             }
@@ -84,19 +84,13 @@ impl FrontTracking {
     }
 
     /// The fans of a visit into both sides; none where waves come from both. Nothing else starts there before `next` (s).
-    fn fans(
-        &self,
-        place: usize,
-        visit: &Visit,
-        fronts: &[FrontSegment],
-        (next, earlier): (f64, &[f64]),
-    ) -> Vec<InitialFan> {
+    fn fans(&self, place: usize, visit: &Visit, fronts: &[FrontSegment], next: f64) -> Vec<InitialFan> {
         let leaving: Vec<&FrontSegment> = visit.leave.iter().map(|&k| &fronts[k]).collect();
         let through = visit.arrive.first().map(|&k| fronts[k].segment);
         if visit.arrive.iter().any(|&k| Some(fronts[k].segment) != through) {
             return Vec::new();
         }
-        let meets = |front: &&FrontSegment| (front.t[1] < self.now).then(|| front.t[1] - earlier[front.segment]);
+        let meets = |front: &&FrontSegment| (front.t[1] < self.now).then_some(front.t[1]);
         let until = leaving.iter().filter_map(meets).fold(next, f64::min);
         let origin = self.origin(place);
         let sides = [place.checked_sub(1).map(|segment| (segment, -1.0)), Some((place, 1.0))];
@@ -106,13 +100,7 @@ impl FrontTracking {
                 leaving.iter().filter(|front| front.segment == segment).copied().collect();
             here.sort_by(|a, b| speed(b).total_cmp(&speed(a)));
             let fan = self.fan(&here)?;
-            Some(InitialFan {
-                origin,
-                direction,
-                wave_through: through,
-                holds_until: (until - fan.from).max(0.0),
-                ..fan
-            })
+            Some(InitialFan { origin, direction, wave_through: through, holds_until: until - fan.from, ..fan })
         };
         let mut fans: Vec<InitialFan> = sides.map(fan).collect::<Option<_>>().unwrap_or_default();
         let above_critical = self.is_above_critical(&fans);

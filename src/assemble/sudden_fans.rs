@@ -23,7 +23,8 @@ const SHAPED: f64 = 0.25;
 /// Events in which front tracking looks for fans.
 const EVENTS: u64 = 1000;
 
-/// Steps into which it divides loads that grow, as part of the largest stress: they start no fans, but the waves that do may come after them.
+/// Steps into which it divides loads that grow, as part of the largest stress. Such loads start no fans, but jumps may follow them, and finer steps
+/// would use up the events before.
 const STEP: f64 = 0.01;
 
 /// Part of the time in which a wave crosses half a segment.
@@ -202,8 +203,8 @@ fn driven(fan: &InitialFan, driver: Driver, holds_until: f64) -> InitialFan {
     InitialFan { driver, holds_until, alone: false, ..fan.clone() }
 }
 
-/// Part of the time up to which a front of a fan meets another one for which it is followed at an end under a stress. The other one is spread over cells of
-/// the grid, and what the fan gives to the bar there is an impulse that the stress does not have: 1.2 % of it.
+/// A fan at an end under a stress is followed for this part of the time until one of its fronts meets another one. That one is spread over cells of the
+/// grid, and the fan would give its nodes an impulse that the stress does not have: 1.2 % of the stress's own.
 const UNDER_STRESS: f64 = 0.8;
 
 /// Those that start later, on this grid.
@@ -265,17 +266,13 @@ const SAME_TIME: f64 = 1e-12;
 
 /// The velocity or the stress that an end imposes jumps at this time, s.
 fn jumps(scene: &Scene, origin: Origin, time: f64) -> bool {
-    match end_at(scene, origin) {
-        Some(EndCondition::Velocity { history, .. } | EndCondition::Stress { history }) => {
-            history.jumps_between(time * (1.0 - SAME_TIME), time * (1.0 + SAME_TIME))
-        }
-        _ => false,
-    }
+    let history = end_at(scene, origin).and_then(EndCondition::history);
+    history.is_some_and(|history| history.jumps_between(time * (1.0 - SAME_TIME), time * (1.0 + SAME_TIME)))
 }
 
 /// It is a step in which front tracking follows an end that moves ever faster, or slower.
 fn is_ramp(scene: &Scene, fan: &InitialFan) -> bool {
-    let driven = matches!(end_at(scene, fan.origin), Some(EndCondition::Velocity { .. } | EndCondition::Stress { .. }));
+    let driven = end_at(scene, fan.origin).is_some_and(|end| end.history().is_some());
     driven && fan.wave_through.is_none() && !jumps(scene, fan.origin, fan.from)
 }
 

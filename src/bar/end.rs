@@ -61,6 +61,14 @@ pub enum EndCondition {
 }
 
 impl EndCondition {
+    /// The velocity (m/s) or stress (Pa) that the end imposes; none of other ends.
+    pub fn history(&self) -> Option<&History> {
+        match self {
+            Self::Velocity { history, .. } | Self::Stress { history } => Some(history),
+            _ => None,
+        }
+    }
+
     /// The end with what it imposes before a time (s) and before its release.
     #[must_use]
     pub fn until(&self, end: f64) -> Cow<'_, Self> {

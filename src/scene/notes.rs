@@ -146,7 +146,7 @@ impl Scene {
     fn late_histories(&self) -> Option<String> {
         let until = self.solve.until;
         [("left", &self.left), ("right", &self.right)].into_iter().find_map(|(side, end)| {
-            let (EndCondition::Velocity { history, .. } | EndCondition::Stress { history }) = end else { return None };
+            let history = end.history()?;
             let first = history.value()[0];
             let change = history.value().iter().position(|&value| value != first)?;
             let time = history.time()[change];

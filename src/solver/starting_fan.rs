@@ -165,7 +165,7 @@ impl StartingFan {
         self.fronts.last().is_some_and(|front| front.delay > 0.0)
     }
 
-    /// How far its origin has moved within `time` (s) of its start, m; less than 0: how far it will have, as it moves before.
+    /// How far its origin has moved `time` (s) after its start, m; before its start, at negative times, it moves with the bar ahead.
     pub fn moved(&self, time: f64) -> f64 {
         if !self.grows() {
             return if time < 0.0 { self.velocity_ahead() } else { self.velocity_behind } * time;

@@ -62,13 +62,28 @@ pub fn recorded<T>(read: impl FnOnce() -> T) -> (T, Vec<(String, String)>) {
     if let Some(stored) = of_store(|files| files.texts.clone()) {
         return (read(), stored);
     }
-    let _scope = Scope::enter(Reading::Recorded(Vec::new()));
+    let scope = Scope::enter(Reading::Recorded(Vec::new()));
     let result = read();
     let texts = READING.with_borrow_mut(|reading| match reading {
         Reading::Recorded(texts) => std::mem::take(texts),
         Reading::Plain | Reading::Stored(_) => Vec::new(),
     });
+    drop(scope);
+    // They have been read by what is recorded around this, too.
+    for (path, text) in &texts {
+        record(path, text);
+    }
     (result, texts)
+}
+
+fn record(path: &str, text: &str) {
+    READING.with_borrow_mut(|reading| {
+        if let Reading::Recorded(texts) = reading
+            && texts.iter().all(|(known, _)| known != path)
+        {
+            texts.push((path.to_owned(), text.to_owned()));
+        }
+    });
 }
 
 /// What `read` returns if only these files exist.
@@ -104,13 +119,7 @@ pub fn read(path: &Path) -> Result<String, InputError> {
         })?,
         None => from_disk(path)?,
     };
-    READING.with_borrow_mut(|reading| {
-        if let Reading::Recorded(texts) = reading
-            && texts.iter().all(|(known, _)| *known != shown)
-        {
-            texts.push((shown, text.clone()));
-        }
-    });
+    record(&shown, &text);
     Ok(text)
 }
 

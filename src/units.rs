@@ -70,7 +70,13 @@ impl Quantity {
     /// # Errors
     /// As for [`Quantity::si`].
     pub fn in_si(&self) -> Result<(f64, Dimension), String> {
-        let found = Dimension::ALL.iter().find_map(|&dimension| Some((self.si(dimension).ok()?, dimension)));
+        let unit = self.number_and_unit().map_or("", |(_, unit)| unit);
+        let is_typed = |dimension: &Dimension| {
+            [dimension.si_scales(), dimension.us_scales()].into_iter().flatten().any(|scale| scale.symbol == unit)
+        };
+        let fits = || Dimension::ALL.iter().filter_map(|&dimension| Some((self.si(dimension).ok()?, dimension)));
+        // "rad/s" is an angular velocity rather than a rate, "N*m" a torque rather than an energy.
+        let found = fits().find(|(_, dimension)| is_typed(dimension)).or_else(|| fits().next());
         match self {
             Self::Number(_) => Ok((self.si(Dimension::None)?, Dimension::None)),
             Self::Text(_) => found.map_or_else(|| self.si(Dimension::None).map(|si| (si, Dimension::None)), Ok),

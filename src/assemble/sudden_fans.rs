@@ -20,8 +20,8 @@ pub(super) const LATE_IN_MUSCL: f64 = 0.05;
 /// joint was 27 % too large in the first step without a fan, and none was with it.
 const SHAPED: f64 = 0.25;
 
-/// Events in which front tracking looks for fans.
-const EVENTS: u64 = 1000;
+/// Events in which front tracking looks for fans: some milliseconds.
+const EVENTS: u64 = 5000;
 
 /// Steps into which it divides loads that grow, as part of the largest stress. Such loads start no fans, but jumps may follow them, and finer steps
 /// would use up the events before.

@@ -44,7 +44,10 @@ fn add_method(lines: &mut Lines, s: &Summary, units: System) {
     lines.add("method", std::format!("{} {}, {how}", s.method, s.scheme));
     lines.add(
         "effects",
-        if s.effects.is_empty() { "none: the run stayed elastic".into() } else { s.effects.join(", ") },
+        match &s.effects[..] {
+            [] => "none: the run stayed elastic".into(),
+            effects => in_units(&effects.join(", "), units),
+        },
     );
 }
 
@@ -223,13 +226,19 @@ fn rupture_text(r: &RuptureSummary, units: System) -> String {
     )
 }
 
+/// Stress (Pa), strain and velocity (m/s) of what has come to rest but for rounding.
+const AT_REST: [f64; 3] = [1e-6, 1e-15, 1e-12];
+
 fn end_text(end: &EndSummary, units: System) -> String {
-    std::format!(
-        "stress {}, strain {}, velocity {}",
-        format(end.stress, Dimension::Stress, units),
-        format(end.strain, Dimension::None, units),
-        format(end.velocity, Dimension::Velocity, units)
-    )
+    let values = [
+        ("stress", end.stress, Dimension::Stress),
+        ("strain", end.strain, Dimension::None),
+        ("velocity", end.velocity, Dimension::Velocity),
+    ];
+    let shown = |((name, value, dimension), rest): ((&str, f64, Dimension), f64)| {
+        std::format!("{name} {}", format(if value.abs() < rest { 0.0 } else { value }, dimension, units))
+    };
+    values.into_iter().zip(AT_REST).map(shown).collect::<Vec<_>>().join(", ")
 }
 
 /// Indent of the rows of fronts.

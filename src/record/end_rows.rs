@@ -95,7 +95,9 @@ impl EndRows {
             sides([of(&latest), before(1), before(2)], [of(&next), after(1), after(2)], ROUNDING * of(&self.largest))
         };
         let [stress, velocity] = [column(|state| state.stress), column(|state| state.velocity)];
-        let smooth = [now, latest.mean(next), latest, next].into_iter().find(|state| !state.stress.is_nan());
+        // Where a load that jumps makes the bar flow at once, the state just after t = 0 is known no better than that after the first step.
+        let after = self.samples.get(k + 1).map_or(EndState::UNKNOWN, |sample| sample.1.now);
+        let smooth = [now, latest.mean(next), latest, next, after].into_iter().find(|state| !state.stress.is_nan());
         let smooth = smooth.unwrap_or_default();
         if stress.is_none() && velocity.is_none() {
             return self.push(time, smooth);

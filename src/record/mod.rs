@@ -34,7 +34,10 @@ pub use audit::{
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress};
 pub use end_rows::EndRows;
 pub use error_table::{ErrorTable, Measure};
-pub use figures::{Extreme, Figure, Figures, Group, Profile, Records, ResidualProfile, SegmentEnd, Tally, definitions};
+pub use figures::{
+    Extreme, Figure, Figures, Group, Profile, Records, ResidualProfile, SegmentEnd, Tally, definitions, dimension_of,
+    without_unit,
+};
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use impact::ImpactSummary;

@@ -1,10 +1,8 @@
 //! A picture as outlines that are filled and lines that are drawn: what PNG and PDF share. Letters are those of `DejaVu Sans`, which is part of
 //! the program, so that pictures look the same on a machine without fonts.
 
-use skrifa::instance::{LocationRef, Size};
-use skrifa::outline::{DrawSettings, OutlinePen};
-use skrifa::{FontRef, MetadataProvider};
 use tiny_skia::{LineJoin, Path, PathBuilder, Pixmap, Rect, Transform};
+use ttf_parser::{Face, OutlineBuilder};
 
 use super::colour::rgb;
 use super::drawing::{Anchor, Area, EDGE, Element, INK, PAPER, Picture, Shape, Stroke, Text, TextStyle, is_finite};
@@ -135,20 +133,17 @@ fn letters(text: &Text) -> Result<Option<Path>, Reason> {
         TextStyle::Plain | TextStyle::Upright => dejavu::sans::regular(),
         TextStyle::Bold | TextStyle::Coloured(_) | TextStyle::Edge => dejavu::sans::bold(),
     };
-    let font = FontRef::new(font).map_err(|e| e.to_string())?;
-    let (size, place) = (Size::new(text.size as f32), LocationRef::default());
-    let (glyphs, widths, names) = (font.outline_glyphs(), font.glyph_metrics(size, place), font.charmap());
+    let font = Face::parse(font, 0).map_err(|e| e.to_string())?;
     let mut pen = Pen { path: PathBuilder::new(), x: 0.0 };
     // As in SVG, spaces in a row are one.
     let words: Vec<&str> = text.letters.split_whitespace().collect();
     for letter in words.join(" ").chars() {
         // A letter that the font lacks is its empty box.
-        let glyph = names.map(letter).unwrap_or_default();
-        if let Some(outline) = glyphs.get(glyph) {
-            outline.draw(DrawSettings::unhinted(size, place), &mut pen).map_err(|e| e.to_string())?;
-        }
-        pen.x += widths.advance_width(glyph).unwrap_or_default();
+        let glyph = font.glyph_index(letter).unwrap_or_default();
+        font.outline_glyph(glyph, &mut pen);
+        pen.x += f32::from(font.glyph_hor_advance(glyph).unwrap_or_default());
     }
+    let scale = text.size as f32 / f32::from(font.units_per_em());
     let start = match text.anchor {
         Anchor::Start => 0.0,
         Anchor::Middle => -0.5 * pen.x,
@@ -156,18 +151,18 @@ fn letters(text: &Text) -> Result<Option<Path>, Reason> {
     };
     let turn = if matches!(text.style, TextStyle::Upright) { -90.0 } else { 0.0 };
     let (x, y) = (text.at.0 as f32, text.at.1 as f32);
-    let place = Transform::from_translate(start, 0.0).post_rotate(turn).post_translate(x, y);
+    let place = Transform::from_translate(start, 0.0).post_scale(scale, scale).post_rotate(turn).post_translate(x, y);
     Ok(pen.path.finish().and_then(|path| path.transform(place)))
 }
 
-/// Writes letters one after another on a line that begins at the origin. In a font y is upwards.
+/// Writes letters one after another on a line that begins at the origin, in the units of the font, in which y is upwards.
 struct Pen {
     path: PathBuilder,
     /// Where the letter stands.
     x: f32,
 }
 
-impl OutlinePen for Pen {
+impl OutlineBuilder for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
         self.path.move_to(self.x + x, -y);
     }

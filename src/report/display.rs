@@ -135,17 +135,20 @@ impl Units {
         }
     }
 
-    /// For values up to `most` whose SI unit has this symbol.
-    pub(super) fn of_symbol(self, symbol: &str, most: f64) -> Unit {
-        let system = match self {
+    pub(super) fn system(self) -> System {
+        match self {
             Self::Si => System::Si,
             Self::Us => System::Us,
-        };
+        }
+    }
+
+    /// For values up to `most` whose SI unit has this symbol.
+    pub(super) fn of_symbol(self, symbol: &str, most: f64) -> Unit {
         let Some(dimension) = Dimension::ALL.iter().copied().find(|d| d.si_symbol() == symbol && !symbol.is_empty())
         else {
             return Unit::new(1.0, "");
         };
-        let scale = scale_for(most, dimension, system);
+        let scale = scale_for(most, dimension, self.system());
         Unit::new(1.0 / scale.si, if scale.symbol == "um" { "\u{b5}m" } else { scale.symbol })
     }
 

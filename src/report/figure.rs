@@ -10,6 +10,7 @@ use super::{histories, impact, profiles, theory};
 use crate::error::{InputError, Result};
 use crate::record::Field;
 use crate::record::store::{Metadata, ResultFile};
+use crate::units::in_units;
 
 /// A panel of the figure of a bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -63,7 +64,7 @@ pub struct Figure {
 /// # Errors
 /// [`InputError`] if the file lacks the field or panel, has no frame or cannot be read, or if the size is too small.
 pub fn draw(file: &ResultFile, figure: &Figure) -> Result<Picture> {
-    let heading = figure.panels.is_empty().then(|| heading(file.metadata()));
+    let heading = figure.panels.is_empty().then(|| heading(file.metadata(), figure.units));
     if let Some(impact) = file.impact()? {
         return compose(heading.as_ref(), &impact_contents(file, &impact, figure)?, figure.size);
     }
@@ -189,7 +190,7 @@ fn nothing(file: &ResultFile, why: &str) -> InputError {
         .help("a run stopped before its first frame has no frames; run the scene again")
 }
 
-fn heading(metadata: &Metadata) -> Heading {
+fn heading(metadata: &Metadata, units: Units) -> Heading {
     let mut parts = vec![format!("{} {}", metadata.method, metadata.scheme)];
     if let Some(cells) = metadata.cells.filter(|cells| *cells > 0) {
         parts.push(format!("{cells} cells"));
@@ -198,7 +199,7 @@ fn heading(metadata: &Metadata) -> Heading {
         parts.push(format!("{events} events"));
     }
     if !metadata.effects.is_empty() {
-        parts.push(metadata.effects.join(", "));
+        parts.push(in_units(&metadata.effects.join(", "), units.system()));
     }
     parts.push(if metadata.is_unfinished() { "unfinished".into() } else { format!("outcome: {}", metadata.outcome) });
     if let Some(error) = &metadata.error {

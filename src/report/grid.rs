@@ -12,9 +12,10 @@ const HEADER: f64 = 40.0;
 
 pub(super) const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
 
-/// The line of series `i`.
+/// The line of series `i`. Lines that coincide are all seen: the first is wide, and the others have gaps.
 pub(super) fn stroke(i: usize) -> Stroke {
-    Stroke::new(colour(i), 1.6).dashed(DASHES[(i / COLOURS.len()) % DASHES.len()])
+    let width = if i == 0 { 2.4 } else { 1.6 };
+    Stroke::new(colour(i), width).dashed(DASHES[(i + i / COLOURS.len()) % DASHES.len()])
 }
 
 /// A panel and its title.

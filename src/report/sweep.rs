@@ -7,13 +7,16 @@ use super::drawing::{Picture, RUPTURE, Stroke};
 use super::grid::{DASHES, Panel, draw_from};
 use super::panel::Series;
 use super::plot::colour;
-use crate::study::sweep::{Combine, Plan, Row, Status, unit_of};
+use crate::record::{dimension_of, without_unit};
+use crate::study::sweep::{Combine, Plan, Row, Status};
 
 /// Metrics that are drawn where the sweep file names none.
-const USUAL: [&str; 8] = [
+const USUAL: [&str; 10] = [
     "left.peak_force_N",
+    "left.peak_torque_N_m",
     "left.peak_stress_Pa",
     "right.peak_force_N",
+    "right.peak_torque_N_m",
     "right.peak_stress_Pa",
     "largest_plastic_strain",
     "permanent_elongation_m",
@@ -65,7 +68,7 @@ fn panel(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Option<Panel>
     let axis = &plan.axes[along];
     let points = || lines.iter().flat_map(|line| &line.1);
     let x = unit(&axis.unit, points().map(|point| point.0));
-    let y = unit(unit_of(metric), points().map(|point| point.1));
+    let y = unit(dimension_of(metric).si_symbol(), points().map(|point| point.1));
     let heading = spoken(metric);
     let axes = [x.label(&spoken_key(&axis.key, &axis.unit)), y.label(&heading)];
     for point in lines.iter_mut().flat_map(|line| &mut line.1).chain(&mut broken) {
@@ -82,13 +85,12 @@ fn panel(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Option<Panel>
 /// The unit to show values in.
 fn unit(symbol: &str, values: impl Iterator<Item = f64>) -> Unit {
     let most = values.fold(0.0, |most: f64, value| most.max(value.abs()));
-    Units::Si.of_symbol(&symbol.replace(' ', "*"), most)
+    Units::Si.of_symbol(symbol, most)
 }
 
 /// The name of a metric in words: `left.peak_force_N` is "peak force at the left end".
 fn spoken(metric: &str) -> String {
-    let unit = format!("_{}", unit_of(metric).replace([' ', '/'], "_").replace('^', ""));
-    let name = metric.strip_suffix(&unit).unwrap_or(metric);
+    let name = without_unit(metric);
     let (place, name) = name.rsplit_once('.').unwrap_or(("", name));
     let words = name.replace('_', " ");
     match place.split_once('.').unwrap_or((place, "")) {
@@ -180,6 +182,9 @@ mod tests {
             ("left.peak_force_N", "peak force at the left end"),
             ("joints.2.impulse_N_s", "impulse at joint 2"),
             ("permanent_elongation_m", "permanent elongation"),
+            ("peak_moment_N_m", "peak moment"),
+            ("contact_area_m2", "contact area"),
+            ("energy_density_J_m3", "energy density"),
             ("segments.1.final_length_ratio", "final length ratio of segment 1"),
             ("ledger.energy_residual", "energy residual (ledger)"),
         ] {

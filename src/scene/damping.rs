@@ -46,12 +46,12 @@ macro_rules! forces {
         impl Damping {
             pub(super) const NAMES: &[&str] = &[$(stringify!($name),)*];
 
-            /// As it is listed: "internal = 20 kPa s, external = 300 N s/m^2".
+            /// As it is listed: "internal = 20 kPa*s, external = 300 N*s/m^2".
             pub(super) fn describe(self) -> String {
                 let all = [$((stringify!($name), self.$name, Dimension::$dimension),)*];
                 let on = all.iter().filter(|(_, value, _)| *value > 0.0);
                 let one = |(name, value, dimension): &(&str, f64, Dimension)| {
-                    format!("{name} = {}", format(*value, *dimension, System::Si).replace('*', " "))
+                    format!("{name} = {}", format(*value, *dimension, System::Si))
                 };
                 let parts: Vec<String> = on.map(one).collect();
                 parts.join(", ")

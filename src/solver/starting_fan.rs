@@ -101,16 +101,7 @@ impl StartingFan {
         // Waves that start a fan arrive with a whole step; that within which a gap closes is part of the fan.
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
         let first = if by_wave { started.round() } else { started.floor() };
-        let mut ahead = [initial_fan.velocity_ahead, initial_fan.stress_ahead()];
-        let delays = initial_fan.delays.iter().copied().chain(std::iter::repeat(0.0));
-        let fronts = fan.edges.iter().zip(delays).map(|(edge, delay)| {
-            let rise = initial_fan.sense.sign() * (edge.stress_behind - edge.stress_ahead);
-            let jump = -initial_fan.direction * initial_fan.sense.sign() * edge.velocity_jump();
-            let front = Front { speed: edge.speed, elastic: elastic(edge), ahead, delay };
-            ahead = [ahead[0] + jump, ahead[1] + rise];
-            front
-        });
-        let (fronts, relief) = (fronts.collect(), initial_fan.relief(wave_speed));
+        let (fronts, relief) = (fronts(initial_fan, wave_speed), initial_fan.relief(wave_speed));
         Some(Self {
             side: usize::from(initial_fan.direction < 0.0),
             at_joint,
@@ -284,6 +275,20 @@ impl StartingFan {
         }
         means
     }
+}
+
+/// The fronts of a fan, the fastest first, where elastic waves have this speed (m/s).
+fn fronts(initial_fan: &InitialFan, wave_speed: f64) -> Vec<Front> {
+    let mut ahead = [initial_fan.velocity_ahead, initial_fan.stress_ahead()];
+    let delays = initial_fan.delays.iter().copied().chain(std::iter::repeat(0.0));
+    let front = |(edge, delay): (&Edge, f64)| {
+        let rise = initial_fan.sense.sign() * (edge.stress_behind - edge.stress_ahead);
+        let jump = -initial_fan.direction * initial_fan.sense.sign() * edge.velocity_jump();
+        let front = Front { speed: edge.speed, elastic: edge.is_elastic(wave_speed), ahead, delay };
+        ahead = [ahead[0] + jump, ahead[1] + rise];
+        front
+    };
+    initial_fan.fan.edges.iter().zip(delays).map(front).collect()
 }
 
 /// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises over `width` (s), by a polynomial without kinks in slope and

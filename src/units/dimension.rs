@@ -41,6 +41,11 @@ macro_rules! dimensions {
                 match self { $(Self::$name => $exponents,)* }
             }
 
+            /// Both have the same units, as torque and energy have.
+            pub fn is_like(self, other: Self) -> bool {
+                self.exponents() == other.exponents()
+            }
+
             pub(super) fn si_scales(self) -> &'static [Scale] {
                 match self { $(Self::$name => const { &[$(Scale { symbol: $si, si: $si_size }),*] },)* }
             }

@@ -10,6 +10,15 @@ fn refused(text: &str, dimension: Dimension) -> String {
     Quantity::Text(text.into()).si(dimension).expect_err(text)
 }
 
+#[test]
+fn a_unit_tells_which_of_like_dimensions_is_meant() {
+    let of = |text: &str| Quantity::Text(text.into()).in_si().expect("a quantity").1;
+    assert_eq!(["3 rad/s", "3 1/s", "3 kHz"].map(of), [Dimension::AngularVelocity, Dimension::Rate, Dimension::Rate]);
+    assert_eq!(["3 N*m", "3 J", "3 mJ"].map(of), [Dimension::Torque, Dimension::Energy, Dimension::Energy]);
+    assert_eq!(["3 m", "3"].map(of), [Dimension::Length, Dimension::None]);
+    assert!(of("3 rpm").is_like(of("3 rad/s")) && !of("3 m").is_like(of("3 s")));
+}
+
 /// Decimal units come out as the very number that a Rust literal gives.
 #[test]
 fn decimal_spellings_are_exact() {

@@ -37,6 +37,15 @@ fn peak(end: &Trace) -> f64 {
     end.stress.iter().fold(0.0, |peak: f64, stress| peak.max(-stress))
 }
 
+/// Above the critical velocity, and with internal damping, the stress is that after the first step.
+#[test]
+fn the_first_row_of_an_end_that_flows_at_once_is_not_zero() {
+    for extra in ["", "[effects]\ndamping = { internal = 1e3 }\nhardening = \"isotropic\""] {
+        let [end, _] = solve("kind = \"velocity\"\nvalue = 400", "kind = \"free\"", 0.0, 0.3, extra).ends;
+        assert!(end.time[0] == 0.0 && end.velocity[0] == 400.0 && end.stress[0] < -4e8, "{extra}: {:?}", end.stress[0]);
+    }
+}
+
 #[test]
 fn the_first_row_is_the_state_just_after_the_start() {
     for (left, velocity) in [

@@ -82,6 +82,28 @@ fn steel_balls_have_hertz_s_numbers() {
     within(&half_space, "striker_velocity_m_s", -1.0, 1e-10);
 }
 
+/// The modulus of a shear curve is not Young's.
+#[test]
+fn bodies_need_a_material_that_is_not_in_shear() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shear = "{ name = \"s\", loading = \"shear\", density = 7800, modulus = 80e9, poisson = 0.3, \
+                 curve = { table = [[0, 0], [0.002, 160e6], [0.1, 200e6]] }, beyond = \"rupture\" }";
+    for (name, key) in [
+        ("spheres.toml", "spheres"),
+        ("plate.toml", "plate"),
+        ("beam.toml", "beam"),
+        ("ball-on-bar.toml", "left"),
+        ("energy-method.toml", "specimen"),
+    ] {
+        let set = format!("{key}.material={shear}");
+        let output = barwave(folder.path(), "check", name, &[&set], &[]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+        assert!(message.contains("`s` has a shear curve, whose modulus is not Young's"), "{name}: {message}");
+        assert!(message.contains(&format!("{key}.material")) && message.contains("help:"), "{name}: {message}");
+    }
+}
+
 #[test]
 fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
     let notes = |sets: &[&str]| run("spheres.toml", sets)["notes"].to_string();

@@ -48,6 +48,28 @@ fn records(table: &str) -> Vec<csv::StringRecord> {
     reader.records().collect::<Result<_, _>>().expect("a table")
 }
 
+/// A table holds results of one material, whatever happens to its file in between.
+#[test]
+fn a_sweep_is_continued_only_with_unchanged_materials() {
+    let axes = "\"bar.material\" = [\"copper-annealed\", \"own.toml\"]\n\"left.value\" = [-5, -30]\n";
+    let folder = scenes(&format!("[sweep]\nscene = \"scene.toml\"\n[axes]\n{axes}"));
+    let path = folder.path();
+    let own = |stress: &str| {
+        let curve = format!("curve = {{ table = [[0, 0], [0.001, 200e6], [0.1, {stress}]] }}");
+        let text = format!("name = \"own\"\ndensity = 7800\nbeyond = \"extend\"\n{curve}\n");
+        std::fs::write(path.join("own.toml"), text).expect("a file");
+    };
+    own("400e6");
+    done(path, &["sweep", "sweep.toml", "-o", "out", "--shard", "1/2"]);
+    done(path, &["sweep", "sweep.toml", "-o", "out", "--shard", "1/2", "--resume"]);
+    own("500e6");
+    let resumed = failed(path, &["sweep", "sweep.toml", "-o", "out", "--shard", "1/2", "--resume"], 2);
+    assert!(resumed.contains("contains another sweep"), "{resumed}");
+    done(path, &["sweep", "sweep.toml", "-o", "other", "--shard", "2/2"]);
+    let merged = failed(path, &["merge", "out", "other", "-o", "all.h5"], 2);
+    assert!(merged.contains("contain different sweeps"), "{merged}");
+}
+
 #[test]
 fn rows_are_those_of_single_runs() {
     let folder = scenes(SPEEDS);

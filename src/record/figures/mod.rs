@@ -78,6 +78,27 @@ fn key(name: &str, dimension: Dimension) -> String {
     if unit.is_empty() { name.to_owned() } else { format!("{name}_{unit}") }
 }
 
+/// The dimension of a figure by its name with the unit (`peak_force_N`, of one of several `torque_N_m.0`): that of the longest unit with which it
+/// ends, and of `N_m` the moment.
+pub fn dimension_of(key_of_figure: &str) -> Dimension {
+    let name = key_of_figure.trim_end_matches(|c: char| c.is_ascii_digit());
+    let name = name.strip_suffix('.').unwrap_or(key_of_figure);
+    let ending = |dimension: &Dimension| key("", *dimension);
+    let fits = |dimension: &&Dimension| name.ends_with(&ending(dimension));
+    Dimension::ALL
+        .iter()
+        .filter(fits)
+        .max_by_key(|dimension| ending(dimension).len())
+        .copied()
+        .unwrap_or(Dimension::None)
+}
+
+/// The name of a figure without its unit.
+pub fn without_unit(key_of_figure: &str) -> &str {
+    let ending = key("", dimension_of(key_of_figure));
+    key_of_figure.strip_suffix(ending.as_str()).unwrap_or(key_of_figure)
+}
+
 impl Figures {
     /// A figure by the path of its group and its name.
     pub fn get(&self, path: &[&str], name: &str) -> Option<f64> {

@@ -4,14 +4,14 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::super::raw::{Ball, BallOnLever, BodyKeys};
+use super::super::raw::{Ball, BallOnLever, BodyKeys, MaterialChoice};
 use super::Checker;
 use super::bar::Named;
 use super::ends::EndSite;
 use crate::bar::{EndCondition, Hertz};
 use crate::error::Result;
-use crate::material::Material;
-use crate::typed::{Key, Of};
+use crate::material::{Loading, Material};
+use crate::typed::{Key, Of, Placed};
 use crate::units::Measure;
 
 impl Checker<'_> {
@@ -50,7 +50,17 @@ impl Checker<'_> {
 
     /// The material that a body names, if it names one.
     pub(in crate::scene) fn ball_material(&self, raw: &BodyKeys<'_>, key: &str) -> Result<Option<Arc<Material>>> {
-        raw.material.map(|m| self.material(m, &format!("{key}.material"), &mut Named::new())).transpose()
+        raw.material.map(|choice| self.axial_material(choice, &format!("{key}.material"))).transpose()
+    }
+
+    /// The material of a body that is compressed, bent or pulled: its modulus is not that of shear.
+    pub(in crate::scene) fn axial_material(&self, choice: &Placed<MaterialChoice>, key: &str) -> Result<Arc<Material>> {
+        let material = self.material(choice, key, &mut Named::new())?;
+        if material.loading == Loading::Axial {
+            return Ok(material);
+        }
+        let message = format!("`{}` has a shear curve, whose modulus is not Young's", material.name);
+        Err(self.error(choice.span(), key, message).help("use a material with a tension curve").into())
     }
 
     /// What is given, or else what a material says.

@@ -20,8 +20,6 @@ mod torsion;
 use std::ops::Range;
 use std::path::Path;
 
-pub(super) use bar::Named;
-
 use ends::EndSite;
 
 use super::capability::{Asked, all_go_together, not_a_key};

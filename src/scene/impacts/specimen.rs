@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::super::check::{Checker, Named};
+use super::super::check::Checker;
 use super::super::raw::{MaterialChoice, Notch};
 use super::Parts;
 use crate::error::Result;
@@ -113,8 +113,7 @@ impl Checker<'_> {
     }
 
     fn specimen_material(&self, raw: &RawSpecimen) -> Result<Option<Arc<Material>>> {
-        let key = "specimen.material";
-        raw.material.as_ref().map(|choice| self.material(choice, key, &mut Named::new())).transpose()
+        raw.material.as_ref().map(|choice| self.axial_material(choice, "specimen.material")).transpose()
     }
 
     fn toughness(

@@ -52,10 +52,8 @@ impl Leapfrog {
             let is_whole = |fan: &&InitialFan| fan.from == 0.0 && fan.delays.is_empty();
             let fan = initial_fans.iter().find(|fan| fan.origin == sides[side] && is_whole(fan));
             let state = fan.map_or_else(|| self.elastic_start(&ends[side], side, at_once), behind);
-            if let Some(state) = state {
-                let end = if side == 0 { &mut self.left } else { &mut self.right };
-                end.start_in(state);
-            }
+            let end = if side == 0 { &mut self.left } else { &mut self.right };
+            end.start_in(state.unwrap_or(EndState::UNKNOWN));
         }
         self.fans = initial_fans.iter().filter_map(|fan| self.starting_fan(fan)).collect();
         StartingFan::keep_whole_joints(&mut self.fans, self.grid.segments.len());

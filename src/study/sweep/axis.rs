@@ -116,7 +116,7 @@ impl Axis {
             Value::Array(items) => listed(items)?,
             Value::Table(_) => {
                 let range: RawRange = value.clone().try_into().map_err(|e: toml::de::Error| e.message().to_owned())?;
-                let (levels, dimension) = range.levels()?;
+                let (levels, dimension) = range.levels(key)?;
                 let computed = range.choice.is_none() && dimension == Dimension::None;
                 (if computed && is_whole(key) { whole(levels, range.samples.is_some()) } else { levels }, dimension)
             }
@@ -179,7 +179,7 @@ fn listed(items: &[Value]) -> Read<(Vec<Level>, Dimension)> {
         || items.iter().zip(measured.iter().flatten()).filter(|(_, (_, dimension))| *dimension != Dimension::None);
     let dimension = with_unit().next().map_or(Dimension::None, |(_, (_, dimension))| *dimension);
     if let (true, Some((other, _)), Some((first, _))) =
-        (all, with_unit().find(|(_, (_, own))| *own != dimension), with_unit().next())
+        (all, with_unit().find(|(_, (_, own))| !own.is_like(dimension)), with_unit().next())
     {
         return Err(format!("{first} and {other} are of different dimensions"));
     }
@@ -191,21 +191,24 @@ fn listed(items: &[Value]) -> Read<(Vec<Level>, Dimension)> {
 }
 
 impl RawRange {
-    fn levels(&self) -> Read<(Vec<Level>, Dimension)> {
+    fn levels(&self, key: &str) -> Read<(Vec<Level>, Dimension)> {
         match (&self.uniform, &self.normal, &self.choice) {
             (Some(bounds), None, None) if self.scale == Some(Scale::Log) => {
-                self.sampled(bounds, |[low, high], rng| between_logs([low, high], rng.random::<f64>()))
+                self.sampled(key, bounds, |[low, high], rng| between_logs([low, high], rng.random::<f64>()))
             }
             (Some(bounds), None, None) => {
-                self.sampled(bounds, |[low, high], rng| Ok(low + (high - low) * rng.random::<f64>()))
+                self.sampled(key, bounds, |[low, high], rng| Ok(low + (high - low) * rng.random::<f64>()))
             }
             (None, Some(_), None) if self.scale.is_some() => {
                 Err("`scale` belongs to `uniform` and to ranges; `normal` has none".into())
             }
-            (None, Some(moments), None) => {
-                self.sampled(moments, |[mean, deviation], rng| Ok(mean + deviation * standard_normal(rng)))
+            (None, Some([_, deviation]), None) if deviation.in_si()?.0 < 0.0 => {
+                Err(format!("the standard deviation {deviation} is out of range (allowed: >= 0)"))
             }
-            (None, None, Some(items)) => self.chosen(items),
+            (None, Some(moments), None) => {
+                self.sampled(key, moments, |[mean, deviation], rng| Ok(mean + deviation * standard_normal(rng)))
+            }
+            (None, None, Some(items)) => self.chosen(key, items),
             (None, None, None) => self.range(),
             _ => Err("`uniform`, `normal` and `choice` exclude each other".into()),
         }
@@ -243,25 +246,32 @@ impl RawRange {
 
     fn sampled(
         &self,
+        key: &str,
         given: &[Quantity; 2],
         draw: impl Fn([f64; 2], &mut XorShiftRng) -> Read<f64>,
     ) -> Read<(Vec<Level>, Dimension)> {
         let samples = self.samples()?;
         let InUnit { numbers, unit, dimension } = in_one_unit(&given.iter().collect::<Vec<_>>())?;
-        let mut rng = XorShiftRng::seed_from_u64(self.seed.unwrap_or(1));
+        let mut rng = self.random_numbers(key);
         let values = (0..samples).map(|_| draw([numbers[0], numbers[1]], &mut rng)).collect::<Read<Vec<f64>>>()?;
         levels(&values, &unit, dimension)
     }
 
     /// Items drawn with replacement.
-    fn chosen(&self, items: &[Value]) -> Read<(Vec<Level>, Dimension)> {
+    fn chosen(&self, key: &str, items: &[Value]) -> Read<(Vec<Level>, Dimension)> {
         let samples = self.samples()?;
         if items.is_empty() || self.scale.is_some() {
             return Err("`choice` is a list of values, with `samples` and `seed` and no other keys".into());
         }
         let (all, dimension) = listed(items)?;
-        let mut rng = XorShiftRng::seed_from_u64(self.seed.unwrap_or(1));
+        let mut rng = self.random_numbers(key);
         Ok(((0..samples).map(|_| all[rng.random_range(0..all.len())].clone()).collect(), dimension))
+    }
+
+    /// Those of this key: axes with the same seed are independent of each other.
+    fn random_numbers(&self, key: &str) -> XorShiftRng {
+        let own = u64::from(crc32fast::hash(key.as_bytes())) << 32;
+        XorShiftRng::seed_from_u64(self.seed.unwrap_or(1) ^ own)
     }
 
     /// How many random values there are.
@@ -318,7 +328,7 @@ fn rounded(value: f64) -> f64 {
 fn in_one_unit(quantities: &[&Quantity]) -> Read<InUnit> {
     let si = quantities.iter().map(|q| q.in_si()).collect::<Read<Vec<_>>>()?;
     let dimension = si[0].1;
-    if let Some((quantity, _)) = quantities.iter().zip(&si).find(|(_, si)| si.1 != dimension) {
+    if let Some((quantity, _)) = quantities.iter().zip(&si).find(|(_, si)| !si.1.is_like(dimension)) {
         return Err(format!("`{}` and `{quantity}` are of different dimensions", quantities[0]));
     }
     let parts: Vec<(f64, &str)> = quantities.iter().map(|q| q.number_and_unit()).collect::<Read<_>>()?;
@@ -416,6 +426,20 @@ mod tests {
     }
 
     #[test]
+    fn axes_with_the_same_seed_are_independent() {
+        let of = |key: &str| {
+            let table: toml::Table = "a = { normal = [0, 1], samples = 4000 }".parse().expect("TOML");
+            let axis = Axis::read(key, &table["a"]).expect("an axis");
+            axis.levels.into_iter().filter_map(|level| level.si).collect::<Vec<f64>>()
+        };
+        let (one, other) = (of("left.value"), of("bar.length"));
+        let correlation = one.iter().zip(&other).map(|(a, b)| a * b).sum::<f64>() / 4000.0;
+        // Four standard errors.
+        assert!(correlation.abs() < 0.064, "{correlation}");
+        assert_eq!(one, of("left.value"));
+    }
+
+    #[test]
     fn wrong_axes_are_explained() {
         for (text, words) in [
             ("[]", "empty"),
@@ -426,6 +450,7 @@ mod tests {
             ("{ from = -1, to = 2, count = 3, scale = \"log\" }", "one sign"),
             ("{ from = \"1 m\", to = \"2 s\", count = 3 }", "different dimensions"),
             ("[\"-1 m/s\", 2, \"5 kN\"]", "different dimensions"),
+            ("{ normal = [\"1 m\", \"-1 cm\"], samples = 3 }", "standard deviation -1 cm is out of range"),
             ("{ from = 1, to = 2, cuont = 3 }", "unknown field `cuont`"),
             ("{ from = 0, to = 1, step = 1e-9 }", "out of range"),
             ("{ uniform = [0, 1] }", "give `samples`"),

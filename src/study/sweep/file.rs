@@ -1,6 +1,6 @@
 //! The sweep file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
@@ -14,6 +14,7 @@ use crate::error::{Error, InputError, Result};
 use crate::input::{Document, GivenKey};
 use crate::record::store::checksum;
 use crate::scene::{Problem, Template};
+use crate::text_file;
 
 /// Most cases of a sweep.
 const MOST_CASES: usize = 10 * MOST_VALUES;
@@ -103,10 +104,11 @@ impl Sweep {
         metrics: Vec<String>,
         fields: Vec<String>,
     ) -> Result<Self> {
-        let checksum = checksum(&document.text);
+        let scene_text = checksum(&document.text);
         let template = Template::new(document, scene.to_owned())?;
-        let plan =
-            Plan { program: program(), title: template.title(), scene: checksum, axes, combine, metrics, fields };
+        let title = template.title();
+        let mut plan = Plan { program: program(), title, scene: scene_text, files: 0, axes, combine, metrics, fields };
+        plan.files = checksum_of_files(&plan, &template);
         Ok(Self { name, plan, template })
     }
 
@@ -117,6 +119,14 @@ impl Sweep {
     pub fn problem(&self, case: usize) -> Result<Problem> {
         self.template.problem(&self.plan.overrides(case))
     }
+}
+
+/// What a scene names, such as materials, has no part in its text.
+fn checksum_of_files(plan: &Plan, template: &Template) -> u32 {
+    // A case that is refused has read its files, too.
+    let of_case = |case| text_file::recorded(|| template.problem(&plan.overrides(case))).1;
+    let texts: BTreeSet<String> = plan.cases_of_texts().into_iter().flat_map(of_case).map(|(_, text)| text).collect();
+    checksum(&Vec::from_iter(texts).join("\n"))
 }
 
 /// Results of other versions may differ.

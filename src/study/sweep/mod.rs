@@ -19,4 +19,3 @@ pub use metrics::{Row, Status};
 pub use plan::{Combine, Plan};
 pub use run::{Finished, case_file, rows, run};
 pub use shard::Shard;
-pub(crate) use table::unit_of;

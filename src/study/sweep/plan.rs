@@ -1,5 +1,7 @@
 //! The cases of a sweep and their changes of the scene.
 
+use std::collections::BTreeSet;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +27,9 @@ pub struct Plan {
     pub title: String,
     /// Checksum of the scene's text.
     pub scene: u32,
+    /// Checksum of the files that the scene names with any values of the axes.
+    #[serde(default)]
+    pub files: u32,
     /// In the order of the file.
     pub axes: Vec<Axis>,
     /// How they are combined.
@@ -70,6 +75,24 @@ impl Plan {
         levels
     }
 
+    /// Cases in which every text of an axis, such as the name of a material, stands once, and the first one.
+    pub(super) fn cases_of_texts(&self) -> BTreeSet<usize> {
+        let shortest = self.axes.iter().map(|axis| axis.levels.len()).min().unwrap_or(0);
+        let (mut cases, mut stride) = (BTreeSet::from([0]), 1_usize);
+        for axis in self.axes.iter().rev() {
+            let mut known = BTreeSet::new();
+            let texts = axis.levels.iter().enumerate().filter(|(_, level)| level.si.is_none());
+            let new = texts.filter(|(_, level)| known.insert(&level.typed)).map(|(k, _)| k);
+            if self.combine == Combine::Zip {
+                cases.extend(new.filter(|k| *k < shortest));
+            } else {
+                cases.extend(new.map(|k| k.saturating_mul(stride)));
+                stride = stride.saturating_mul(axis.levels.len());
+            }
+        }
+        cases
+    }
+
     /// What a case changes in the scene, as for `--set`.
     pub fn overrides(&self, case: usize) -> Vec<String> {
         let axes = self.axes.iter().zip(self.levels(case));
@@ -96,11 +119,23 @@ mod tests {
             program: String::new(),
             title: String::new(),
             scene: 0,
+            files: 0,
             axes: vec![axis("a", &[1.0, 2.0]), axis("b.c", &[3.0, 4.0])],
             combine,
             metrics: Vec::new(),
             fields: Vec::new(),
         }
+    }
+
+    #[test]
+    fn every_text_is_in_a_case() {
+        let mut plan = plan(Combine::Product);
+        let text = |name: &str| Level { typed: name.into(), si: None };
+        plan.axes[0].levels = vec![text("x"), text("y"), text("x"), text("z")];
+        let texts: Vec<String> = plan.cases_of_texts().into_iter().map(|k| plan.overrides(k)[0].clone()).collect();
+        assert_eq!(texts, ["a=x", "a=y", "a=z"]);
+        plan.combine = Combine::Zip;
+        assert_eq!(plan.cases_of_texts(), BTreeSet::from([0, 1]));
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::metrics::Row;
 use super::plan::{Combine, Plan};
 use crate::destination::write_whole;
 use crate::error::{Error, Result};
+use crate::record::dimension_of;
 use crate::record::store::{SweepColumn, SweepFile, Values, write_sweep};
 
 /// Columns of every table beside axes and metrics.
@@ -123,7 +124,7 @@ fn write_hdf5(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<
     let reason = column(REASON, "", Values::Texts(rows.iter().map(|row| row.reason.clone()).collect()));
     let metrics = names.iter().enumerate().map(|(k, name)| {
         let values = metrics.iter().map(|metrics| metrics[k]);
-        column(name, unit_of(name), values_of(values.collect()))
+        column(name, &unit_of(name), values_of(values.collect()))
     });
     let metrics: Vec<SweepColumn> = metrics.collect();
     let (scales, mut columns) = if gridded { (axes, vec![cases]) } else { (vec![cases], axes) };
@@ -137,6 +138,11 @@ fn column(name: &str, units: &str, values: Values) -> SweepColumn {
     SweepColumn { name: name.to_owned(), units: units.to_owned(), values }
 }
 
+/// As in the attribute `units`.
+fn unit_of(metric: &str) -> String {
+    dimension_of(metric).si_symbol().replace('*', " ")
+}
+
 /// Numbers (not a number where there is no value), or texts where one of them is a text.
 fn values_of(values: Vec<&Value>) -> Values {
     if values.iter().any(|value| value.is_string()) {
@@ -144,21 +150,4 @@ fn values_of(values: Vec<&Value>) -> Values {
     }
     let number = |value: &Value| value.as_f64().or_else(|| value.as_bool().map(f64::from)).unwrap_or(f64::NAN);
     Values::Numbers(values.into_iter().map(number).collect())
-}
-
-/// The unit that the name of a figure ends with.
-pub(crate) fn unit_of(name: &str) -> &'static str {
-    const UNITS: [(&str, &str); 10] = [
-        ("_Pa_s", "Pa s"),
-        ("_J_m3", "J/m^3"),
-        ("_Pa", "Pa"),
-        ("_m_s", "m/s"),
-        ("_N_s", "N s"),
-        ("_J", "J"),
-        ("_N", "N"),
-        ("_K", "K"),
-        ("_m", "m"),
-        ("_s", "s"),
-    ];
-    UNITS.iter().find(|(end, _)| name.ends_with(end)).map_or("", |(_, unit)| unit)
 }

@@ -105,6 +105,19 @@ fn bodies_need_a_material_that_is_not_in_shear() {
 }
 
 #[test]
+fn waves_leave_a_half_space() {
+    let run = |sets: &[&str]| run("spheres.toml", &[["spheres.half-space=true", "spheres.radius="].as_slice(), sets].concat());
+    // Lamb's problem with the pulse of Hertz, both by quadrature; Hunter has 6.2e-3 for steel.
+    let slow = run(&[]);
+    within(&slow, "radiated_ratio", 6.72e-3, 0.07e-3);
+    assert!(slow["vibration_ratio"].is_null() && slow["notes"].to_string() == "[]", "{slow}");
+    let fast = run(&["striker.velocity=100"]);
+    within(&fast, "radiated_ratio", 0.1065, 0.0011);
+    assert!(fast["notes"].to_string().contains("% of the energy leaves in waves"), "{fast}");
+    assert!(run(&["spheres.density="])["radiated_ratio"].is_null());
+}
+
+#[test]
 fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
     let notes = |sets: &[&str]| run("spheres.toml", sets)["notes"].to_string();
     // No curve, nothing known of yield; 1 m/s is slow.

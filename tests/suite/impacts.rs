@@ -106,7 +106,9 @@ fn bodies_need_a_material_that_is_not_in_shear() {
 
 #[test]
 fn waves_leave_a_half_space() {
-    let run = |sets: &[&str]| run("spheres.toml", &[["spheres.half-space=true", "spheres.radius="].as_slice(), sets].concat());
+    let run = |sets: &[&str]| {
+        run("spheres.toml", &[["spheres.half-space=true", "spheres.radius="].as_slice(), sets].concat())
+    };
     // Lamb's problem with the pulse of Hertz, both by quadrature; Hunter has 6.2e-3 for steel.
     let slow = run(&[]);
     within(&slow, "radiated_ratio", 6.72e-3, 0.07e-3);
@@ -180,6 +182,10 @@ fn beams_note_what_is_beyond_the_theory_of_slender_elastic_beams() {
     assert_eq!(planned("beam.depth=\"1.5 cm\""), "[]");
     assert!(planned("beam.depth=\"2 cm\"").contains("7.675 times as long as deep"));
     assert!(planned("beam.at=\"1 cm\"").contains("struck 1.000 of its depth from a support"));
+    // 9.03 depths.
+    let quick = planned("striker.radius=\"2.5 mm\"");
+    let waves = "of the energy goes into the beam, and strains differ by 10 % and more";
+    assert!(quick.contains("the flexural waves of the contact are 9.") && quick.contains(waves), "{quick}");
     let steel =
         ["beam.modulus=", "beam.density=", "beam.material=\"mild-steel\"", "record.gauges=", "solve.tolerance=1e-3"];
     let struck = |velocity: &str| run("beam.toml", &[&steel[..], &[velocity]].concat())["notes"].to_string();

@@ -1005,6 +1005,13 @@ const BEAM_CASES: &[Case] = &[
     case("length = \"15 cm\"", "length = \"15 s\"", "length", "beam.length", &["a length"]),
     case("width = \"1 cm\"\n", "", "[beam]", "beam.width", &["`width` is missing"]),
     case("width = \"1 cm\"", "diameter = \"1 cm\"", "depth", "beam.depth", &["given by its diameter", "not both"]),
+    case(
+        "width = \"1 cm\"",
+        "area = \"1 cm^2\"\ninertia = \"0.26 cm^4\"",
+        "inertia",
+        "beam.inertia",
+        &["no section of this area and depth", "inertia <= area*depth^2/4", "check the units"],
+    ),
     case("poisson = 0.3", "poisson = 0.3\nat = \"20 cm\"", "at =", "beam.at", &["out of range", "0 < at < 0.15"]),
     case(
         "poisson = 0.3",

@@ -50,7 +50,7 @@ raw_body! {
         pub diameter: Option<Of<measures::Length, Positive>>,
         /// Area of the section; with `inertia` and `depth`.
         pub area: Option<Of<measures::Area, Positive>>,
-        /// Second moment of area; with `area` and `depth`.
+        /// Second moment of area, at most `area*depth^2/4`; with `area` and `depth`.
         pub inertia: Option<Of<measures::SecondMomentOfArea, Positive>>,
         /// Position of the impact from the left support, within the beam. Default: midspan.
         pub at: Option<Of<measures::Length>>,
@@ -176,8 +176,24 @@ impl Checker<'_> {
             );
             return Err(error.help("keep `width`, or `area` and `inertia`").into());
         }
+        self.any_section(raw, depth, span)
+    }
+
+    /// A section by its area and second moment of area, which is largest with half of the area at each face.
+    fn any_section(&self, raw: &RawBeam, depth: f64, span: Range<usize>) -> Result<Section> {
         let area = self.needed(raw.area.as_ref(), "area", span.clone(), "beam")?;
-        Ok(Section { area, inertia: self.needed(raw.inertia.as_ref(), "inertia", span, "beam")?, depth })
+        let inertia = self.needed(raw.inertia.as_ref(), "inertia", span, "beam")?;
+        let most = 0.25 * area * depth * depth;
+        if let Some(given) = raw.inertia.as_ref().filter(|_| inertia > most * (1.0 + 1e-9)) {
+            let message = format!("no section of this area and depth has a second moment of area of {given}");
+            let most = format(most, Dimension::SecondMomentOfArea, System::Si);
+            let allowed = format!("inertia <= area*depth^2/4 = {most}");
+            let error = self.error(given.span(), "beam.inertia", message).allowed(allowed);
+            return Err(error
+                .help("check the units of `area`, `inertia` and `depth`; a rectangle has a third of this")
+                .into());
+        }
+        Ok(Section { area, inertia, depth })
     }
 
     fn beam_foundation(&self, raw: &RawBeam, length: f64, section: Section, elastic: &Elastic) -> Result<Foundation> {

@@ -21,7 +21,7 @@ pub use contact::{Contact, History, Horizon, Moment, System, Touch};
 pub use oscillator::Oscillator;
 pub use plate::{Plate, handbook_restitution};
 pub use pulse::{Pulse, phi_psi};
-pub use solid::{Elastic, Solid, contact_yields};
+pub use solid::{Elastic, Solid, contact_is_wide, contact_yields};
 pub use solution::{Column, Figure, Line, Shapes, Solution, Table};
 pub use specimen::{Blow, Outcome, Specimen, Toughness};
 pub use spheres::{Spheres, velocities_after, velocity_before};

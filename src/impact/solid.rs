@@ -9,7 +9,7 @@ use crate::units::Dimension;
 /// Largest pressure of a Hertz contact at first yield over the yield stress: 1.60 for von Mises' criterion and a Poisson's ratio of
 /// 0.3 (K. L. Johnson, Contact Mechanics (1985), section 6.2).
 const PRESSURE_AT_YIELD: f64 = 1.6;
-/// Contact radius over radius of the sphere from which on the theory of small contacts is poor.
+/// Contact radius over radius of a body from which on the theory of small contacts is poor.
 const LARGEST_CONTACT: f64 = 0.2;
 
 /// The elastic constants of a solid.
@@ -60,6 +60,23 @@ pub fn contact_yields(contact: &Hertz, force: f64, limit: f64) -> Option<(f64, S
     Some((pressure / (PRESSURE_AT_YIELD * limit), yields(pressure, limit)?))
 }
 
+/// A warning that a contact under a largest force (N) is not small beside the ball or a bar of this radius (m), with the ratio of its radius to
+/// the largest that passes; none where it is.
+pub fn contact_is_wide(contact: &Hertz, force: f64, bar: f64) -> Option<(f64, String)> {
+    let radius = contact_radius(contact, contact.approach(force));
+    let body = if bar < contact.radius { (bar, "the bar") } else { (contact.radius, "curvature") };
+    Some((radius / (LARGEST_CONTACT * body.0), wide(radius, body)?))
+}
+
+fn wide(radius: f64, (body, what): (f64, &str)) -> Option<String> {
+    (radius > LARGEST_CONTACT * body).then(|| {
+        format!(
+            "the contact radius is {:.2} of the radius of {what}; Hertz's theory needs a contact that is small compared with the bodies",
+            radius / body
+        )
+    })
+}
+
 fn yields(pressure: f64, limit: f64) -> Option<String> {
     (pressure > PRESSURE_AT_YIELD * limit).then(|| {
         format!(
@@ -93,13 +110,7 @@ pub(super) fn judge(solution: &mut Solution, contact: &Hertz, solids: [&Elastic;
     ]);
     let values = [(radius, Dimension::Length), (pressure, Dimension::Stress)];
     solution.lines.push(Line::new("contact", "radius up to {}, pressure up to {}", &values));
-    if radius > LARGEST_CONTACT * contact.radius {
-        let part = radius / contact.radius;
-        solution.warnings.push(format!(
-            "the contact radius is {part:.2} of the radius of curvature; Hertz's theory needs a contact that is small compared \
-             with the bodies"
-        ));
-    }
+    solution.warnings.extend(wide(radius, (contact.radius, "curvature")));
     let Some(limit) = solids.iter().filter_map(|s| s.yield_stress).reduce(f64::min) else {
         return;
     };

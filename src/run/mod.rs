@@ -34,7 +34,7 @@ use self::output::{Kept, Output};
 use crate::assemble;
 use crate::bar::{EndCondition, InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
-use crate::impact::contact_yields;
+use crate::impact::{contact_is_wide, contact_yields};
 use crate::law::rupture::{Rupture, Site};
 use crate::material::Sense;
 use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer};
@@ -418,7 +418,7 @@ impl<'a> RunRecorder<'a> {
             Err(_) => return Err(ended.err().unwrap_or(Error::Interrupted)),
         };
         let read_off = figures(self.scene, &self.tally, &results);
-        results.audit.extend(contacts_that_yield(self.scene, &read_off));
+        results.audit.extend(contacts_beyond_hertz(self.scene, &read_off));
         let writer = std::mem::replace(&mut self.writer, Output::None);
         if let Output::File(writer) = writer {
             let figures = RunFigures {
@@ -489,19 +489,23 @@ impl<'a> RunRecorder<'a> {
     }
 }
 
-/// Balls whose pressure on the bar is more than the bar stands; its ends are elastic under the contact.
-fn contacts_that_yield(scene: &Scene, figures: &Figures) -> Vec<AuditRow> {
+/// Balls whose pressure on the bar is more than the bar stands, its ends being elastic under the contact, or whose contact is not small.
+fn contacts_beyond_hertz(scene: &Scene, figures: &Figures) -> Vec<AuditRow> {
     let last = scene.bar.segments.len() - 1;
-    let row = |(side, end, segment): (&str, &EndCondition, usize)| {
-        let EndCondition::Ball { contact, .. } = end else { return None };
-        let material = &scene.bar.segments[segment].material;
-        let limit = material.branch(Sense::Compression).elastic_limit(material.modulus).1;
-        let force = figures.get(&[side], "peak_force")?.abs();
-        let (estimate, finding) = contact_yields(contact, force, limit)?;
-        let finding = std::format!("ball at the {side} end: {finding}");
-        Some(AuditRow { effect: "contact".into(), estimate, threshold: 1.0, finding, ..AuditRow::default() })
+    let rows = |(side, end, segment, k): (&str, &EndCondition, usize, usize)| {
+        let EndCondition::Ball { contact, .. } = end else { return Vec::new() };
+        let Some(force) = figures.get(&[side], "peak_force").map(f64::abs) else { return Vec::new() };
+        let segment = &scene.bar.segments[segment];
+        let limit = segment.material.branch(Sense::Compression).elastic_limit(segment.material.modulus).1;
+        let radius = (segment.end_areas()[k] / std::f64::consts::PI).sqrt();
+        let findings = [contact_yields(contact, force, limit), contact_is_wide(contact, force, radius)];
+        let row = |(estimate, finding)| {
+            let finding = std::format!("ball at the {side} end: {finding}");
+            AuditRow { effect: "contact".into(), estimate, threshold: 1.0, finding, ..AuditRow::default() }
+        };
+        findings.into_iter().flatten().map(row).collect()
     };
-    [("left", &scene.left, 0), ("right", &scene.right, last)].into_iter().filter_map(row).collect()
+    [("left", &scene.left, 0, 0), ("right", &scene.right, last, 1)].into_iter().flat_map(rows).collect()
 }
 
 /// Velocities of bodies at the ends of their own over those with which they move the bar there.

@@ -138,6 +138,32 @@ fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
     assert!(!notes(&["striker.velocity=2500"]).contains("goes into vibration"));
 }
 
+/// Of a soft ball of 30 mm on a rod of 12 mm the contact would be as wide as the rod.
+#[test]
+fn a_contact_on_a_bar_is_small_compared_with_it() {
+    let soft = [
+        "left.material=",
+        "left.modulus=\"5 MPa\"",
+        "left.poisson=0.49",
+        "left.density=1100",
+        "left.diameter=\"30 mm\"",
+    ];
+    let short = ["solve.cells=200", "solve.until=\"2 ms\""];
+    let folder = tempfile::tempdir().expect("a folder");
+    let audit = |sets: &[&str], file: &str| {
+        let output = barwave(folder.path(), "run", "ball-on-bar.toml", sets, &["--json", "-o", file]);
+        let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+        summary["audit"].to_string()
+    };
+    let wide = audit(&[&soft[..], &short].concat(), "wide.h5");
+    assert!(
+        wide.contains("ball at the left end: the contact radius is") && wide.contains("of the radius of the bar"),
+        "{wide}"
+    );
+    let small = audit(&short[..1], "small.h5");
+    assert!(!small.contains("the contact radius"), "{small}");
+}
+
 #[test]
 fn the_share_of_vibration_is_not_more_than_all() {
     let soft = run("spheres.toml", &["spheres.modulus=\"1 Pa\""]);

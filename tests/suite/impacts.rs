@@ -234,6 +234,13 @@ fn the_plate_has_both_coefficients_of_restitution() {
     let thin = run("plate.toml", &["plate.thickness=\"1.43 mm\""]);
     assert!(e(&thin, "handbook_restitution") < 0.0 && e(&thin, "restitution") > 0.0, "{thin}");
     assert!(thin["notes"].to_string().contains("(9.13) is negative"), "{thin}");
+    // Mindlin's plate, for the pulse of Hertz: 1.74 times the energy at two thicknesses.
+    let block = run("plate.toml", &["plate.thickness=\"67 mm\""])["notes"].to_string();
+    assert!(block.contains("2.00 of the thickness") && block.contains("takes about 1.7 times the energy"), "{block}");
+    // The plate is disturbed as far as the contact lasts.
+    let spread = |key: &str, time: &str| e(&thin, key) / e(&thin, time).sqrt();
+    let ratio = spread("contact_spread_radius_m", "contact_duration_s") / spread("spread_radius_m", "hertz_duration_s");
+    assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
     // (9.8): a^2 = pi tau h sqrt(E/(3 rho (1 - nu^2))), with the figures of the summary.
     let (tau, a) = (e(&thick, "hertz_duration_s"), e(&thick, "spread_radius_m"));
     let h = 0.005;

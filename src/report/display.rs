@@ -1,7 +1,7 @@
 //! Display units: the factor from SI, the symbol, and the axis label of each quantity.
 
 use crate::record::Field;
-use crate::units::{Dimension, System, scale_for};
+use crate::units::{Dimension, System, in_units, scale_for};
 
 /// Units of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -83,6 +83,18 @@ pub(super) fn four_digits(value: f64) -> String {
 }
 
 impl Units {
+    /// A sentence with its quantities in these units.
+    pub(super) fn sentence(self, text: &str) -> String {
+        in_units(text, self.system())
+    }
+
+    fn system(self) -> System {
+        match self {
+            Self::Si => System::Si,
+            Self::Us => System::Us,
+        }
+    }
+
     /// For times up to `longest` s.
     pub(super) fn time(longest: f64) -> Unit {
         if longest < 2e-3 {
@@ -132,13 +144,6 @@ impl Units {
         match self {
             Self::Si => Unit::new(1.0, "kg/m\u{b3}"),
             Self::Us => Unit::new(INCH * INCH * INCH / 0.453_592_37, "lb/in\u{b3}"),
-        }
-    }
-
-    pub(super) fn system(self) -> System {
-        match self {
-            Self::Si => System::Si,
-            Self::Us => System::Us,
         }
     }
 

@@ -10,7 +10,6 @@ use super::{histories, impact, profiles, theory};
 use crate::error::{InputError, Result};
 use crate::record::Field;
 use crate::record::store::{Metadata, ResultFile};
-use crate::units::in_units;
 
 /// A panel of the figure of a bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -199,7 +198,7 @@ fn heading(metadata: &Metadata, units: Units) -> Heading {
         parts.push(format!("{events} events"));
     }
     if !metadata.effects.is_empty() {
-        parts.push(in_units(&metadata.effects.join(", "), units.system()));
+        parts.push(units.sentence(&metadata.effects.join(", ")));
     }
     parts.push(if metadata.is_unfinished() { "unfinished".into() } else { format!("outcome: {}", metadata.outcome) });
     if let Some(error) = &metadata.error {

@@ -30,10 +30,10 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     }
     let fronts = fronts_table(file, units)?;
     let ledger = ledger_table(file, units)?;
-    let audit = audit_list(file)?;
+    let audit = audit_list(file, units)?;
     let materials = materials_table(file, units)?;
     let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&metadata.scene));
-    let about = metadata_table(metadata);
+    let about = metadata_table(metadata, units);
     let mut sections = vec![("", panels.as_str()), ("Run", about.as_str())];
     let optional = [
         ("Fronts", &fronts),
@@ -50,9 +50,10 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
 fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Units) -> Result<String> {
     let metadata = file.metadata();
     let results = table("Results", &[], &impact::figures(impact, units));
-    let notes: Vec<String> = metadata.notes.iter().map(|note| format!("<li>{}</li>\n", escape(note))).collect();
+    let notes: Vec<String> =
+        metadata.notes.iter().map(|note| format!("<li>{}</li>\n", escape(&units.sentence(note)))).collect();
     let notes = if notes.is_empty() { String::new() } else { format!("<ul>\n{}</ul>\n", notes.concat()) };
-    let (about, materials) = (metadata_table(metadata), materials_table(file, units)?);
+    let (about, materials) = (metadata_table(metadata, units), materials_table(file, units)?);
     let scene = format!("<pre tabindex=\"0\">{}</pre>", escape(&metadata.scene));
     let sections = [
         ("", panels),
@@ -69,8 +70,8 @@ fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Un
 /// Names and values of the root attributes.
 type Rows = Vec<Vec<String>>;
 
-fn metadata_table(metadata: &Metadata) -> String {
-    let mut rows = method_rows(metadata);
+fn metadata_table(metadata: &Metadata, units: Units) -> String {
+    let mut rows = method_rows(metadata, units);
     rows.extend(cost_rows(metadata));
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
     if !metadata.overrides.is_empty() {
@@ -83,7 +84,7 @@ fn metadata_table(metadata: &Metadata) -> String {
 }
 
 /// What was simulated, by what method, and how it ended.
-fn method_rows(metadata: &Metadata) -> Rows {
+fn method_rows(metadata: &Metadata, units: Units) -> Rows {
     let mut rows = Rows::new();
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
     let outcome = if metadata.is_unfinished() {
@@ -96,12 +97,15 @@ fn method_rows(metadata: &Metadata) -> Rows {
         add("reason", reason.clone());
     }
     add("method", format!("{} {}", metadata.method, metadata.scheme));
-    add("effects", if metadata.effects.is_empty() { "none".into() } else { metadata.effects.join(", ") });
+    add(
+        "effects",
+        if metadata.effects.is_empty() { "none".into() } else { units.sentence(&metadata.effects.join(", ")) },
+    );
     for note in &metadata.notes {
-        add("note", note.clone());
+        add("note", units.sentence(note));
     }
     if let Some(velocity) = metadata.critical_velocity {
-        add("critical impact velocity", format!("{} m/s", four_digits(velocity)));
+        add("critical impact velocity", units.velocity().show(velocity));
     }
     rows
 }
@@ -215,7 +219,7 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
     Ok(table("Ledger", &[], &values.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect::<Vec<_>>()))
 }
 
-fn audit_list(file: &ResultFile) -> Result<String> {
+fn audit_list(file: &ResultFile, units: Units) -> Result<String> {
     let rows = file.audit()?;
     if rows.is_empty() {
         return Ok(String::new());
@@ -223,7 +227,7 @@ fn audit_list(file: &ResultFile) -> Result<String> {
     let items: String = rows
         .iter()
         .map(|row| {
-            let line = format!("<b>{}</b>: {}", escape(&row.effect), escape(&row.advice()));
+            let line = format!("<b>{}</b>: {}", escape(&row.effect), escape(&units.sentence(&row.advice())));
             if row.estimate.abs() >= row.threshold {
                 format!("<li>{line} <em>(above the threshold)</em></li>\n")
             } else {

@@ -138,6 +138,19 @@ fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
     assert!(!notes(&["striker.velocity=2500"]).contains("goes into vibration"));
 }
 
+#[test]
+fn a_report_has_its_notes_in_its_units() {
+    let sets =
+        ["specimen.energy=", "specimen.material=\"copper-annealed\"", "striker.mass=0.1", "striker.velocity=200"];
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = barwave(folder.path(), "run", "energy-method.toml", &sets, &["-o", "e.h5", "--json"]);
+    let notes = String::from_utf8(output.stdout).expect("text");
+    assert!(notes.contains("critical velocity of the material, 90.1195 m/s"), "{notes}");
+    binary::done(folder.path(), &["report", "e.h5", "-o", "e.html", "--units", "us"]);
+    let page = std::fs::read_to_string(folder.path().join("e.html")).expect("a page");
+    assert!(page.contains("critical velocity of the material, 295.7"), "{page}");
+}
+
 /// Of a soft ball of 30 mm on a rod of 12 mm the contact would be as wide as the rod.
 #[test]
 fn a_contact_on_a_bar_is_small_compared_with_it() {

@@ -42,7 +42,7 @@ fn energy_function(time: &[f64], force: &[f64], omega: f64) -> f64 {
 /// (9.31) with the energy functions of the integrated force of the first contact.
 fn by_energy(impact: &StoredImpact, summary: &Value, ratio: f64, length: f64) -> f64 {
     let contact = &impact.tables[0];
-    let end = number(summary, "contact_duration_s");
+    let end = number(summary, "first_contact_duration_s");
     let first = column(contact, 0).iter().take_while(|t| **t <= end * (1.0 + 1e-9)).count();
     let (time, force) = (&column(contact, 0)[..first], &column(contact, 1)[..first]);
     let step = time.windows(2).map(|t| t[1] - t[0]).fold(0.0, f64::max);
@@ -84,7 +84,7 @@ fn the_half_sine_pulse_is_too_short_for_a_heavy_ball() {
     let ratio = mass_ratio(0.02, 0.307);
     assert!((approximate - (1.0 - ratio * sum) / (1.0 + ratio * sum)).abs() < 1e-6, "{approximate}");
     let contact = &impact.tables[0];
-    let end = number(&summary, "contact_duration_s");
+    let end = number(&summary, "first_contact_duration_s");
     let count = column(contact, 0).iter().take_while(|t| **t <= end * (1.0 + 1e-9)).count();
     let third = energy_function(&column(contact, 0)[..count], &column(contact, 1)[..count], frequency(3.0, 0.307));
     assert!((phi(3) - 0.4154).abs() < 1e-3 && (third - 0.2117).abs() < 1e-3, "{} {third}", phi(3));

@@ -3,7 +3,7 @@
 use super::Beam;
 use super::observe::Observer;
 use crate::impact::Watch;
-use crate::impact::contact::{Contact, History, Horizon};
+use crate::impact::contact::{Contact, History, Horizon, Touch};
 use crate::impact::solid::judge;
 use crate::impact::solution::{Column, Figure, Line, Solution, Table};
 use crate::units::Dimension::{AngularVelocity, Force, Impulse, Length, None as Plain, Rate, Time, Torque, Velocity};
@@ -154,20 +154,17 @@ impl Beam {
     fn contacts(&self, solution: &mut Solution, history: &History) {
         let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
         let Some(first) = history.touches.first() else { return };
+        let touches = || history.touches.iter();
+        let largest = touches().fold(first, |a, b| if b.peak_force > a.peak_force { b } else { a });
         solution.figures.extend([
             Figure::count("contact_count", "number of contacts", history.touches.len()),
-            figure("peak_force", Force, "largest contact force of the first contact", first.peak_force),
-            figure("time_of_peak", Time, "time of the largest contact force of the first contact", first.peak_time),
-            figure("contact_duration", Time, "duration of the first contact", first.duration()),
-            figure("approach", Length, "largest approach of the first contact", first.approach),
-            figure(
-                "first_restitution",
-                Plain,
-                "coefficient of restitution of the first contact",
-                if first.ended { self.rebound(first.impulse) } else { f64::NAN },
-            ),
-            figure("impulse", Impulse, "impulse of all contacts", history.touches.iter().map(|t| t.impulse).sum()),
+            figure("peak_force", Force, "largest contact force of all contacts", largest.peak_force),
+            figure("time_of_peak", Time, "time of the largest contact force of all contacts", largest.peak_time),
+            figure("contact_duration", Time, "time in contact, all contacts", touches().map(Touch::duration).sum()),
+            figure("approach", Length, "largest approach of all contacts", largest.approach),
+            figure("impulse", Impulse, "impulse of all contacts", touches().map(|t| t.impulse).sum()),
         ]);
+        self.first_contact(solution, first);
         for touch in history.touches.iter().take(MOST_LINES) {
             let values = [(touch.start, Time), (touch.end, Time), (touch.peak_force, Force), (touch.peak_time, Time)];
             let open = if touch.ended { "" } else { ", not ended" };
@@ -180,17 +177,23 @@ impl Beam {
         if let Some(more @ 1..) = history.touches.len().checked_sub(MOST_LINES) {
             solution.lines.push(Line::new("contact", format!("... and {more} more; the result file lists all"), &[]));
         }
-        let largest = history.touches.iter().fold(first, |a, b| if b.peak_force > a.peak_force { b } else { a });
-        solution.figures.extend([
-            figure("largest_force", Force, "largest contact force of all contacts", largest.peak_force),
-            figure(
-                "time_of_largest_force",
-                Time,
-                "time of the largest contact force of all contacts",
-                largest.peak_time,
-            ),
-        ]);
         judge(solution, &self.contact(), [&self.striker.elastic, &self.elastic], largest.approach);
+    }
+
+    fn first_contact(&self, solution: &mut Solution, first: &Touch) {
+        let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
+        let restitution = if first.ended { self.rebound(first.impulse) } else { f64::NAN };
+        solution.figures.extend([
+            figure("first_contact_force", Force, "largest contact force of the first contact", first.peak_force),
+            figure(
+                "first_contact_rise",
+                Time,
+                "time of the largest contact force of the first contact",
+                first.peak_time,
+            ),
+            figure("first_contact_duration", Time, "duration of the first contact", first.duration()),
+            figure("first_restitution", Plain, "coefficient of restitution of the first contact", restitution),
+        ]);
     }
 
     /// Frequency and damping of each mode.

@@ -41,6 +41,12 @@ impl Oscillator {
         self.q.hypot(self.v / self.omega)
     }
 
+    /// Bounds of |q| and |v| in free motion from here on.
+    pub(super) fn swing(&self) -> Self {
+        let q = self.amplitude();
+        Self { q, v: self.omega * q, ..*self }
+    }
+
     /// In free motion a time t >= 0 later.
     pub(super) fn after(&self, t: f64) -> Self {
         let mut then = *self;
@@ -219,9 +225,11 @@ mod tests {
     fn free_motion_obeys_its_equation_and_its_bounds() {
         for (omega, delta) in [(3.0, 0.0), (3.0, 0.4), (3.0, 3.0), (3.0, 3.3), (3.0, 4.0), (0.5, 40.0), (0.0, 0.0)] {
             let start = Oscillator { q: 0.3, v: -0.7, ..Oscillator::new(1.0, [omega, delta], 1.0) };
-            let bend = start.bend();
+            let (bend, swing) = (start.bend(), start.swing());
             for t in [0.0, 0.01, 0.2, 1.0, 4.0] {
                 let [now, then] = [t, t + 1e-6].map(|t| start.after(t));
+                let moves = |now: f64, most: f64| now.abs() <= most * (1.0 + 1e-9) || omega == 0.0;
+                assert!(moves(now.q, swing.q) && moves(now.v, swing.v), "{omega} {delta} {t}: {now:?} {swing:?}");
                 let rate = |q: f64, v: f64| -omega * omega * q - 2.0 * delta * v;
                 let acceleration = rate(now.q, now.v);
                 let jerk = rate(now.v, acceleration);

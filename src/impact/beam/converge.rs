@@ -272,6 +272,12 @@ impl Beam {
 }
 
 impl Beam {
+    /// Strain of bending at which the beam yields, where the material says so.
+    pub(super) fn yield_strain(&self) -> Option<f64> {
+        let axial = (self.foundation.axial / self.section.area).abs();
+        Some((self.elastic.yield_stress? - axial) / self.elastic.modulus)
+    }
+
     /// What there is to say of the largest strain of bending, where the material says when it yields.
     fn bends_beyond_yield(&self, strain: f64) -> Option<String> {
         let axial = (self.foundation.axial / self.section.area).abs();

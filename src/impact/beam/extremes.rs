@@ -14,6 +14,8 @@ pub(super) struct Extremes {
     /// Each with its factors, and with their magnitudes.
     places: Vec<[Place; 2]>,
     pub values: Vec<Readings>,
+    /// Smaller readings are not searched for.
+    least: Vec<Readings>,
     /// The modes and the readings at the last look.
     before: (Vec<Oscillator>, Vec<Readings>),
     /// Free motion is not divided further, s.
@@ -21,10 +23,12 @@ pub(super) struct Extremes {
 }
 
 impl Extremes {
-    pub fn new(places: &[Place], [finest, end]: [f64; 2]) -> Self {
+    /// Each place with the readings from which on they are of interest.
+    pub fn new(places: &[(Place, Readings)], [finest, end]: [f64; 2]) -> Self {
         let shortest = (finest / 64.0).max(end / MOST_PARTS);
-        let places: Vec<[Place; 2]> = places.iter().map(|place| [place.clone(), place.magnitude()]).collect();
-        Self { values: vec![[0.0; 3]; places.len()], places, before: (Vec::new(), Vec::new()), shortest }
+        let least = places.iter().map(|(_, least)| *least).collect();
+        let places: Vec<[Place; 2]> = places.iter().map(|(place, _)| [place.clone(), place.magnitude()]).collect();
+        Self { values: vec![[0.0; 3]; places.len()], least, places, before: (Vec::new(), Vec::new()), shortest }
     }
 
     /// After free motion over a time, s; 0: the bodies were in contact.
@@ -35,7 +39,9 @@ impl Extremes {
         let now = self.keep(modes, force);
         let (mut then, readings) = std::mem::take(&mut self.before);
         if flown > 0.0 {
-            self.search(&then, [&readings, &now], flown);
+            let swings: Vec<Oscillator> = then.iter().map(Oscillator::swing).collect();
+            let most: Vec<Readings> = self.places.iter().map(|[_, magnitude]| magnitude.read(&swings, 0.0)).collect();
+            self.search(&then, [&readings, &now, &most], flown);
         }
         then.clear();
         then.extend_from_slice(modes);
@@ -50,27 +56,34 @@ impl Extremes {
         now
     }
 
-    /// Halves a time of free motion from these modes, with the readings at its ends, until it cannot hold more than is known.
-    fn search(&mut self, modes: &[Oscillator], ends: [&[Readings]; 2], time: f64) {
-        if time <= self.shortest || !self.may_exceed(modes, ends, time) {
+    /// Halves a time of free motion from these modes, with the readings at its ends and those of all modes at their amplitudes, until it cannot
+    /// hold more than is known.
+    fn search(&mut self, modes: &[Oscillator], [from, to, most]: [&[Readings]; 3], time: f64) {
+        if time <= self.shortest || !self.may_exceed(modes, [from, to, most], time) {
             return;
         }
         let middle: Vec<Oscillator> = modes.iter().map(|mode| mode.after(0.5 * time)).collect();
         let readings = self.keep(&middle, 0.0);
-        self.search(modes, [ends[0], &readings], 0.5 * time);
-        self.search(&middle, [&readings, ends[1]], 0.5 * time);
+        self.search(modes, [from, &readings, most], 0.5 * time);
+        self.search(&middle, [&readings, to, most], 0.5 * time);
     }
 
     /// A reading may be larger within a time than so far: it is off the line between its ends by up to an eighth of its largest bend times
-    /// the square of the time.
-    fn may_exceed(&self, modes: &[Oscillator], ends: [&[Readings]; 2], time: f64) -> bool {
-        let bends: Vec<Oscillator> = modes.iter().map(Oscillator::bend).collect();
+    /// the square of the time, and no larger than with all modes at their amplitudes.
+    fn may_exceed(&self, modes: &[Oscillator], [from, to, most]: [&[Readings]; 3], time: f64) -> bool {
         let scale = |i: usize| self.values.iter().fold(0.0, |most: f64, value| most.max(value[i].abs()));
         let scale: Readings = std::array::from_fn(scale);
-        self.places.iter().enumerate().any(|(k, [_, magnitude])| {
-            let bend = magnitude.read(&bends, 0.0);
-            let reach = |i: usize| ends[0][k][i].abs().max(ends[1][k][i].abs()) + 0.125 * bend[i] * time * time;
-            (0..3).any(|i| reach(i) > self.values[k][i].abs() + NEGLIGIBLE * scale[i])
+        let known = |k: usize, i: usize| (self.values[k][i].abs() + NEGLIGIBLE * scale[i]).max(self.least[k][i]);
+        let may = |k: usize| (0..3).any(|i| most[k][i] > known(k, i));
+        let places: Vec<usize> = (0..self.places.len()).filter(|&k| may(k)).collect();
+        if places.is_empty() {
+            return false;
+        }
+        let bends: Vec<Oscillator> = modes.iter().map(Oscillator::bend).collect();
+        places.into_iter().any(|k| {
+            let bend = self.places[k][1].read(&bends, 0.0);
+            let reach = |i: usize| from[k][i].abs().max(to[k][i].abs()) + 0.125 * bend[i] * time * time;
+            (0..3).any(|i| reach(i).min(most[k][i]) > known(k, i))
         })
     }
 }

@@ -3,7 +3,7 @@
 use super::Beam;
 use super::approximation::HalfSine;
 use super::extremes::Extremes;
-use super::shape::Place;
+use super::shape::{Place, Readings};
 use crate::bar::Hertz;
 use crate::impact::contact::Moment;
 use crate::impact::oscillator::Oscillator;
@@ -109,8 +109,9 @@ impl Observer {
         let pulses = if beam.gauges.is_empty() { Vec::new() } else { beam.pulses(&pulse, count) };
         let struck = beam.place(beam.at, count);
         let gauges: Vec<Place> = beam.gauges.iter().map(|(_, x)| beam.place(*x, count)).collect();
-        let mut places = gauges.clone();
-        places.extend(beam.elastic.yield_stress.map(|_| struck.clone()));
+        let mut places: Vec<(Place, Readings)> = gauges.iter().map(|gauge| (gauge.clone(), [0.0; 3])).collect();
+        // At the impact only a strain that yields is of interest.
+        places.extend(beam.yield_strain().map(|strain| (struck.clone(), [f64::INFINITY, f64::INFINITY, strain])));
         let finest = beam.finest();
         Self {
             law: beam.contact(),

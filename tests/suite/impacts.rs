@@ -230,6 +230,9 @@ fn beams_note_what_is_beyond_the_theory_of_slender_elastic_beams() {
     let struck = |velocity: &str| run("beam.toml", &[&steel[..], &[velocity]].concat())["notes"].to_string();
     assert!(!struck("striker.velocity=0.01").contains("the beam yields"));
     assert!(struck("striker.velocity=10").contains("the beam yields: its largest stress is"));
+    // 20 kN on 1 cm^2 are 200 MPa, above the 127 MPa at which this steel yields.
+    let loaded = struck("beam.axial-force=\"20 kN\"");
+    assert!(loaded.contains("with that of the axial force, which is not in the strains at gauges"), "{loaded}");
 }
 
 #[test]

@@ -282,9 +282,11 @@ impl Beam {
     fn bends_beyond_yield(&self, strain: f64) -> Option<String> {
         let axial = (self.foundation.axial / self.section.area).abs();
         let ratio = (self.elastic.modulus * strain + axial) / self.elastic.yield_stress?;
+        let with =
+            if axial > 0.0 { ", with that of the axial force, which is not in the strains at gauges," } else { "" };
         (ratio > 1.0).then(|| {
             format!(
-                "the beam yields: its largest stress is {ratio:.2} times the yield stress; the elastic solution \
+                "the beam yields: its largest stress{with} is {ratio:.2} times the yield stress; the elastic solution \
                  overestimates moment and rebound velocity"
             )
         })

@@ -6,11 +6,14 @@ use super::{HardeningRule, Method, Rate, Scene};
 use crate::bar::{EndCondition, Initial, Joint, Segment};
 use crate::law::Table;
 use crate::law::rate::Overstress;
+use crate::units::{self, Dimension, System};
 
 /// A grid is noted where its step is below this part of what the other segments could take.
 const SMALL_STEP: f64 = 0.5;
 /// A ball is noted whose contact lasts fewer time steps. Its peak force is 44, 15 and 3.5 % too small with 2.6, 5 and 13 of them.
 const STEPS_OF_CONTACT: f64 = 25.0;
+/// An end time is noted that comes after fewer time steps.
+const FEW_STEPS: f64 = 10.0;
 /// A history is noted whose first change comes later than this many times the end of the run.
 const LATE: f64 = 10.0;
 
@@ -33,7 +36,7 @@ impl Scene {
         let bar = bar.chain(self.hardening_that_gives_back()).chain(self.critical_velocity_of_another_state());
         let deprecated = super::deprecated::notes(&self.text, &self.overrides);
         let bar = bar.chain(self.sharp_waves_that_disperse());
-        let bar = bar.chain(self.short_contacts());
+        let bar = bar.chain(self.short_contacts()).chain(self.few_steps());
         bar.chain(self.misses()).chain(self.late_histories()).chain(materials).chain(deprecated).collect()
     }
 
@@ -140,6 +143,18 @@ impl Scene {
             })
         };
         ends.into_iter().filter_map(note).collect()
+    }
+
+    /// Runs on a grid end with a whole time step.
+    fn few_steps(&self) -> Option<String> {
+        let steps = self.solve.until * self.solve.method.cells()? as f64 / self.bar.transit_time();
+        (steps < FEW_STEPS).then(|| {
+            let steps = units::format(steps, Dimension::None, System::Si);
+            format!(
+                "the end time is {steps} time steps after the start: a run on a grid ends with a whole step, and its forces and impulses are \
+                 means over steps; use more cells, or method = \"moc\""
+            )
+        })
     }
 
     /// Histories that have hardly begun when the run ends, mostly times without their unit.

@@ -33,6 +33,20 @@ fn solve(left: &str, right: &str, velocity: f64, transits: f64, solve: &str) -> 
     run::solve(&scene, &mut |_| ControlFlow::Continue(())).expect("it runs")
 }
 
+/// A grid has no state within a step.
+#[test]
+fn runs_of_a_few_steps_say_that_they_end_with_a_whole_one() {
+    let notes = |until: f64, solve: &str| {
+        let text = format!(
+            "[bar]\nlength = 1\nmaterial = \"mild-steel\"\n[left]\nkind = \"velocity\"\nvalue = 1\n[right]\nkind = \"free\"\n\
+             [solve]\nuntil = {until:e}\n{solve}\n"
+        );
+        Scene::parse("bar.toml", &text, Path::new("."), &[]).expect("a scene").notes().join("\n")
+    };
+    assert!(notes(1e-12, "cells = 1000").contains("time steps after the start"));
+    assert_eq!([notes(1e-5, "cells = 1000"), notes(1e-12, "method = \"moc\"")], ["", ""]);
+}
+
 fn peak(end: &Trace) -> f64 {
     end.stress.iter().fold(0.0, |peak: f64, stress| peak.max(-stress))
 }

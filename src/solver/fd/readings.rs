@@ -171,10 +171,11 @@ impl Leapfrog {
 
     /// The first cell whose stress or state is not a finite number.
     pub fn not_finite(&self) -> Option<usize> {
-        let bad = |values: &[f64]| values.iter().position(|value| !value.is_finite());
+        // What rests is finite.
         let in_block = |b: &Block| {
+            let bad = |column: &[f64]| column[b.active.clone()].iter().position(|value| !value.is_finite());
             let columns = std::iter::once(&b.sigma[..]).chain(b.state.chunks_exact(b.sigma.len()));
-            columns.filter_map(bad).min().map(|i| b.cells.start + i)
+            columns.filter_map(bad).min().map(|i| b.cells.start + b.active.start + i)
         };
         self.blocks.iter().find_map(in_block)
     }

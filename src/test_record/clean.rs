@@ -30,6 +30,13 @@ const FRACTURE: f64 = 0.1;
 /// Nor is one after which more than this part of the force is carried to twice the strain: it is that of an upper yield point.
 const CARRIED: f64 = 0.5;
 
+/// A test that stopped ends with a strain that falls with the stress along the elastic slope, within this factor of it. A fracture has a
+/// strain that stays or rises; or one that springs back so suddenly that no two rows lie within half of the fall.
+const ELASTIC: f64 = 3.0;
+
+/// Parts of the largest force between which the elastic slope is looked at for that.
+const SLOPE_BETWEEN: [f64; 2] = [0.05, 0.15];
+
 /// Rows sorted by strain, and what was done to them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Cleaned {
@@ -158,10 +165,33 @@ fn cut_at_fracture(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> boo
         return false;
     };
     let last = last_of_neck(&stress, last);
+    if is_unloading(rows, last, elastic_slope(rows, &smooth, largest)) {
+        return false;
+    }
     let removed = rows.len() - last - 1;
     rows.truncate(last + 1);
     changes.push(format!("{} after the fracture removed (abrupt fall of the force)", count(removed)));
     true
+}
+
+/// About the elastic slope: that of the chord between two small stresses on the way to the largest.
+fn elastic_slope(rows: &[(f64, f64)], smooth: &[f64], largest: f64) -> f64 {
+    let reaches = |part: f64| smooth.iter().position(|&stress| stress >= part * largest).unwrap_or(0);
+    let [low, high] = SLOPE_BETWEEN.map(reaches);
+    let (low, high) = (low.saturating_sub(1), high.max(low + 1).min(rows.len() - 1));
+    (rows[high].1 - rows[low].1) / (rows[high].0 - rows[low].0)
+}
+
+/// The strain falls with the stress from this row on, over several rows, about along the elastic slope.
+fn is_unloading(rows: &[(f64, f64)], last: usize, slope: f64) -> bool {
+    let (strain, stress) = rows[last];
+    let Some(lowest) = rows[last..].iter().map(|row| row.1).min_by(f64::total_cmp) else { return false };
+    let reached = |part: f64| rows[last..].iter().position(|row| stress - row.1 >= part * (stress - lowest));
+    let along = |row: usize| {
+        let (fallen, back) = (stress - rows[last + row].1, strain - rows[last + row].0);
+        back > 0.0 && (1.0 / ELASTIC..=ELASTIC).contains(&(slope * back / fallen))
+    };
+    reached(0.5).is_some_and(|row| row > 1 && along(row)) && reached(1.0).is_some_and(along)
 }
 
 /// The row, from `first` on, from which the force falls more abruptly than in the rows before `first`: in a neck between sparse rows it falls
@@ -258,6 +288,32 @@ mod tests {
             wrong[place].1 = stress;
             let cleaned = clean(&wrong);
             assert!(!cleaned.rows.contains(&wrong[place]), "{place}, {stress}: {:?}", cleaned.changes);
+        }
+    }
+
+    /// Tests that stop while the stress rises end with it; a fracture may be recorded in as many rows, at the strain at which it happens.
+    #[test]
+    fn a_last_unloading_is_no_fracture() {
+        let mut loaded = straight(30);
+        loaded.extend((0..570).map(f64::from).map(|i| (3e-3 + 1e-4 * i, 29e6 + 0.03e6 * i)));
+        let (strain, stress) = loaded[loaded.len() - 1];
+        for (rows, down_to, springs_back) in [
+            (4, 0.0, true),
+            (10, 0.5, true),
+            (40, 0.5, true),
+            (40, 0.0, true),
+            (200, 0.0, true),
+            (4, 0.0, false),
+            (40, 0.0, false),
+        ] {
+            let fall = (1..=rows).map(|i| (1.0 - down_to) * stress * f64::from(i) / f64::from(rows));
+            let slope = if springs_back { 1e10 } else { f64::INFINITY };
+            let mut record = loaded.clone();
+            record.extend(fall.map(|fall| (strain - fall / slope, stress - fall)));
+            let cleaned = clean(&record);
+            let said = cleaned.changes.join("; ");
+            assert_eq!(cleaned.fractured, !springs_back, "{rows} rows to {down_to}: {said}");
+            assert_eq!(said.contains(&format!("{rows} rows of one unloading removed")), springs_back, "{said}");
         }
     }
 

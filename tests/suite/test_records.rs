@@ -540,6 +540,22 @@ fn noise_makes_no_largest_stress() {
     }
 }
 
+/// Tests that stop while the stress rises and unload in a few rows had a fracture, and with it a critical velocity.
+#[test]
+fn a_quick_unloading_at_the_end_is_no_fracture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let loaded: Vec<_> = (0..600_u32).map(|i| f64::from(i) * 1e-4).map(|e| (e, RAMBERG_OSGOOD.stress(e))).collect();
+    let (strain, stress) = loaded[loaded.len() - 1];
+    for (rows, part) in [(10, 1.0), (40, 1.0), (10, 0.5), (40, 0.5)] {
+        let fall = (1..=rows).map(|i| part * stress * f64::from(i) / f64::from(rows));
+        let unloading = fall.map(|fall| (strain - fall / RAMBERG_OSGOOD.modulus, stress - fall));
+        let whole: Vec<_> = loaded.iter().copied().chain(unloading).collect();
+        let found = import(folder.path(), "a.csv", &csv(&whole), &[]);
+        assert!(found["records"][0]["reduction"]["fracture"].is_null(), "{rows}, {part}: {found:#}");
+        assert!(found["critical"]["critical_velocity_m_s"].is_null(), "{rows}, {part}: {found:#}");
+    }
+}
+
 /// The end of the shorter record was taken for its largest stress, and the mean fell by 5 %.
 #[test]
 fn a_repeat_that_was_stopped_early_does_not_end_the_mean() {

@@ -9,7 +9,7 @@ use crate::cli::result_file::is_result;
 use crate::error::{InputError, Result};
 use crate::material::Sense;
 use crate::study::invert::arrivals::{Inverted, Options, of_records, of_table};
-use crate::study::invert::{MaterialText, Recording};
+use crate::study::invert::{MaterialText, Recording, from_waves};
 use crate::units::{Dimension, System, format};
 
 const TITLE: &str = "Curve from arrival times";
@@ -114,7 +114,8 @@ fn write(args: &Args, options: &Options, recording: Option<&Recording>, inverted
     };
     let (title, points) = (TITLE, &inverted.points);
     let waves = Waves { title, points, given, warnings: &inverted.warnings };
-    outputs.write_waves(&waves, &material, &shared::knots(&inverted.points), inverted, lines(args, options, inverted))
+    let knots = from_waves(points, options.density, options.modulus);
+    outputs.write_waves(&waves, &material, &knots, inverted, lines(args, options, inverted))
 }
 
 fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {

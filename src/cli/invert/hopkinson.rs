@@ -13,7 +13,7 @@ use crate::report;
 use crate::study::invert::hopkinson::{
     ElasticBar, Knot, Moment, Options, Records, Reduced, Setup, Test, records_from_csv, reduce,
 };
-use crate::study::invert::{MaterialText, MeasuredKnot, against_knots};
+use crate::study::invert::{MaterialText, MeasuredKnot, against_knots, with_elastic_part};
 use crate::units::{Dimension, System, format};
 
 /// Options of `barwave invert hopkinson`.
@@ -52,6 +52,9 @@ pub(super) struct Args {
     /// Density of the specimen, for the material file (default: that of the result file).
     #[arg(long, value_parser = quantity::positive(Dimension::Density))]
     density: Option<f64>,
+    /// Elastic modulus of the specimen, for the elastic part of the material file (default: that of the result file).
+    #[arg(long, value_parser = quantity::positive(Dimension::Stress))]
+    modulus: Option<f64>,
     /// Length of the reduction (default: that of the incident pulse).
     #[arg(long, value_parser = quantity::positive(Dimension::Time))]
     window: Option<f64>,
@@ -89,8 +92,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
         equilibrium: args.equilibrium,
         poisson: args.poisson,
     };
-    let reduced = reduce(&setup, &records, &options).map_err(|error| shared::in_file(error, &args.file))?;
-    write(args, &reduced, test.as_ref())
+    let mut reduced = reduce(&setup, &records, &options).map_err(|error| shared::in_file(error, &args.file))?;
+    write(args, &mut reduced, test.as_ref())
 }
 
 fn setup(args: &Args) -> Result<Setup> {
@@ -119,31 +122,67 @@ fn setup(args: &Args) -> Result<Setup> {
     })
 }
 
-fn write(args: &Args, reduced: &Reduced, test: Option<&Test>) -> Result<()> {
+/// Knots of the material, with the elastic part that equilibrium comes too late for, and a sentence on it.
+fn knots(modulus: Option<f64>, reduced: &Reduced) -> (Vec<MeasuredKnot>, Option<String>) {
+    let knot = |k: &Knot| MeasuredKnot {
+        strain: k.strain,
+        stress: k.stress,
+        interval: [k.stress - k.half_width, k.stress + k.half_width],
+    };
+    let measured: Vec<_> = reduced.curve.iter().map(knot).collect();
+    let Some(first) = measured.first().copied() else { return (measured, None) };
+    let show = |stress| format(stress, Dimension::Stress, System::Si);
+    let Some(modulus) = modulus else {
+        let slope = show(first.stress / first.strain);
+        let sentence = std::format!(
+            "the material has no elastic part: its curve starts at strain {:.4}, and the slope up to there, {slope}, is its modulus; \
+             give that of the specimen with --modulus",
+            first.strain
+        );
+        return (measured, Some(sentence));
+    };
+    let whole = with_elastic_part(&measured, modulus);
+    let limit = whole.first().filter(|knee| knee.strain < first.strain);
+    let sentence = limit.map(|knee| {
+        std::format!(
+            "up to {} with a modulus of {}, where the line of the first rows meets it: nothing is measured below strain {:.4}",
+            show(knee.stress),
+            show(modulus),
+            first.strain
+        )
+    });
+    (whole, sentence)
+}
+
+/// Writes the material file.
+fn write_material(args: &Args, reduced: &Reduced, test: Option<&Test>, knots: &[MeasuredKnot]) -> Result<()> {
     let outputs = &args.outputs;
+    let rate = reduced.mean_rate.ok_or_else(|| {
+        InputError::new("there is no curve to write: the specimen does not reach equilibrium")
+            .key("-o")
+            .help("see --equilibrium")
+    })?;
+    let material = MaterialText {
+        name: &outputs.name(),
+        description: "Split-Hopkinson test",
+        density: shared::needed(args.density.or(test.map(|t| t.density)), "--density", "8960 kg/m^3")?,
+        modulus: args.modulus.or(test.map(|t| t.modulus)),
+        sense: reduced.sense.name(),
+        measured: &std::format!("split-Hopkinson bar, mean strain rate {rate:.0} 1/s, {}", args.file.display()),
+    };
+    outputs.write_material(&material, knots)
+}
+
+fn write(args: &Args, reduced: &mut Reduced, test: Option<&Test>) -> Result<()> {
+    let outputs = &args.outputs;
+    let modulus = args.modulus.or(test.map(|t| t.modulus));
+    let (knots, elastic) = knots(modulus, reduced);
     if outputs.output.is_some() {
-        let density = args.density.or(test.map(|t| t.density));
-        let rate = reduced.mean_rate.ok_or_else(|| {
-            InputError::new("there is no curve to write: the specimen does not reach equilibrium")
-                .key("-o")
-                .help("see --equilibrium")
-        })?;
-        let material = MaterialText {
-            name: &outputs.name(),
-            description: "Split-Hopkinson test",
-            density: shared::needed(density, "--density", "8960 kg/m^3")?,
-            modulus: None,
-            sense: reduced.sense.name(),
-            measured: &std::format!("split-Hopkinson bar, mean strain rate {rate:.0} 1/s, {}", args.file.display()),
-        };
-        let knot = |k: &Knot| MeasuredKnot {
-            strain: k.strain,
-            stress: k.stress,
-            interval: [k.stress - k.half_width, k.stress + k.half_width],
-        };
-        let knots: Vec<_> = reduced.curve.iter().map(knot).collect();
-        outputs.write_material(&material, &knots)?;
+        write_material(args, reduced, test, &knots)?;
+        reduced.warnings.extend(elastic.clone().filter(|_| modulus.is_none()));
     }
+    let elastic = elastic.filter(|_| outputs.output.is_some() && modulus.is_some());
+    let reduced = &*reduced;
     let given = test.and_then(|t| t.given.as_ref());
     let title = "Split-Hopkinson reduction";
     outputs.write(title, || report::invert::hopkinson(title, reduced, given), || csv(&reduced.moments))?;
@@ -151,10 +190,15 @@ fn write(args: &Args, reduced: &Reduced, test: Option<&Test>) -> Result<()> {
         return output::json(reduced);
     }
     output::note(&shared::warnings(&reduced.warnings));
-    output::text(&text(args, reduced, test, given))
+    let mut lines = lines(args, reduced, test, given);
+    if let Some(sentence) = elastic {
+        lines.add("elastic part", sentence);
+    }
+    lines.extend(outputs.written(&knots));
+    output::text(&(lines.text() + &table(&reduced.moments, reduced.loading_until_s)))
 }
 
-fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curve>) -> String {
+fn lines(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curve>) -> Lines {
     let show = |value, dimension| format(value, dimension, System::Si);
     let mut lines = Lines::under(&std::format!("Split-Hopkinson reduction, {}", args.file.display()));
     let setup = &reduced.setup;
@@ -207,8 +251,7 @@ fn text(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curv
             std::format!("at most {:+.1} % from the {what}, at strain {strain:.4}", 100.0 * deviation),
         );
     }
-    lines.extend(args.outputs.written());
-    lines.text() + &table(&reduced.moments, reduced.loading_until_s)
+    lines
 }
 
 /// A strain in microstrain.

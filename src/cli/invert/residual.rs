@@ -8,8 +8,8 @@ use crate::cli::quantity;
 use crate::cli::result_file::is_result;
 use crate::error::{InputError, Result};
 use crate::material::Curve;
-use crate::study::invert::MaterialText;
 use crate::study::invert::residual::{Inverted, Options, Profile, State, Test, invert};
+use crate::study::invert::{MaterialText, from_waves};
 use crate::units::{Dimension, System, format};
 
 const TITLE: &str = "Curve from the strain along a wire";
@@ -113,7 +113,7 @@ fn write(args: &Args, options: &Options, profile: &Profile, inverted: &Inverted,
         sense: profile.sense.name(),
         measured: &std::format!("strain along a wire after an impact at {} m/s, {file}", options.velocity),
     };
-    let mut knots = shared::knots(&inverted.points);
+    let mut knots = from_waves(&inverted.points, options.density, Some(options.modulus));
     if let Some(stress) = inverted.yield_stress {
         knots.insert(0, shared::knot(stress.value / options.modulus, stress));
         knots.dedup_by(|later, first| later.strain <= first.strain);

@@ -14,7 +14,7 @@ use crate::material::Curve;
 use crate::material::file::of_document;
 use crate::record::store::ResultFile;
 use crate::report::{self, plot};
-use crate::study::invert::{Interval, MaterialText, MeasuredKnot, WavePoint, against, material_text};
+use crate::study::invert::{Interval, MaterialText, MeasuredKnot, WavePoint, against, extended, material_text};
 use crate::units::Dimension;
 
 /// Where results go.
@@ -124,15 +124,17 @@ impl Outputs {
             let percent = 100.0 * deviation;
             lines.add("deviation", format!("at most {percent:+.1} % from the simulated curve, at strain {strain:.4}"));
         }
-        lines.extend(self.written());
+        lines.extend(self.written(knots));
         output::note(&warnings(waves.warnings));
         output::text(&(lines.text() + &curve_table(waves.points)))
     }
 
-    /// Lines that name what was written.
-    pub(super) fn written(&self) -> Vec<String> {
-        let files = [&self.output, &self.csv, &self.plot].into_iter().flatten();
-        files.map(|path| format!("wrote {}", path.display())).collect()
+    /// Lines that name what was written, and where the curve of the material ends.
+    pub(super) fn written(&self, knots: &[MeasuredKnot]) -> Vec<String> {
+        let line = |path: &PathBuf| format!("wrote {}", path.display());
+        let end = extended(knots).map_or_else(String::new, |sentence| format!(" ({sentence})"));
+        let material = self.output.as_ref().map(|path| line(path) + &end);
+        material.into_iter().chain([&self.csv, &self.plot].into_iter().flatten().map(line)).collect()
     }
 
     /// Name of the material: that of its file.
@@ -215,12 +217,7 @@ fn curve_csv(points: &[WavePoint]) -> String {
     text
 }
 
-/// Knots of a material file.
-pub(super) fn knots(points: &[WavePoint]) -> Vec<MeasuredKnot> {
-    points.iter().map(|p| knot(p.strain, p.stress_pa)).collect()
-}
-
-/// One of them.
+/// A knot of a material file.
 pub(super) fn knot(strain: f64, stress: Interval) -> MeasuredKnot {
     MeasuredKnot { strain, stress: stress.value, interval: [stress.low, stress.high] }
 }

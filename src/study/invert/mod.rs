@@ -19,7 +19,7 @@ mod setup;
 mod table;
 
 pub use curve::{Interval, WavePoint};
-pub use material::{MaterialText, MeasuredKnot, material_text};
+pub use material::{MaterialText, MeasuredKnot, extended, from_waves, material_text, with_elastic_part};
 pub use records::{Record, Recording};
 
 use crate::material::Curve;

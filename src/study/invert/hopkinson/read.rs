@@ -25,6 +25,8 @@ pub struct Test {
     pub material: String,
     /// kg/m^3.
     pub density: f64,
+    /// Pa.
+    pub modulus: f64,
     /// The specimen's curve in the simulation.
     pub given: Option<Curve>,
     /// Whether the run has a rate law: the curve is the static one then.
@@ -128,6 +130,7 @@ impl Test {
             records: Records { incident: gauge(first), transmitted: gauge(second) },
             material: specimen.name.clone(),
             density: specimen.density,
+            modulus: specimen.modulus,
             given: Curve::new(&specimen.curve(true), Beyond::Error).ok(),
             rate: setup::has_effect(file.metadata(), "rate"),
             limit,

@@ -416,6 +416,11 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
     arguments.retain(|argument| *argument != "--json");
     assert!(refused(path, &arguments).contains("does not reach equilibrium"));
     assert!(refused(path, &["invert", "hopkinson", "test.csv"]).contains("--distances"));
+    // A result file has its own bars: options for them were ignored.
+    for option in [["--bar-modulus", "100 GPa"], ["--distances", "1m,1m"], ["--specimen-diameter", "10 mm"]] {
+        let message = refused(path, &joined(&["invert", "hopkinson", "bar.h5"], &option));
+        assert!(message.contains(option[0]) && message.contains("result file"), "{message}");
+    }
     std::fs::write(path.join("two.csv"), "time,incident\n0,0\n1,1\n").expect("a file");
     let mut wrong = vec!["invert", "hopkinson", "two.csv"];
     wrong.extend(setup.split_whitespace().take(12));
@@ -516,6 +521,9 @@ fn zero_offsets_of_the_gauges_are_removed() {
     assert!(10 * inside >= 8 * clean.len(), "{inside} of {}", clean.len());
     let text = done(path, &joined(&["invert", "hopkinson", "offset.csv"], &KOLSKY));
     assert!(text.contains("zero offsets") && text.contains("ue transmitted, removed"), "{text}");
+    assert!(text.contains("sense             compression, since the incident pulse is negative"), "{text}");
+    let pulled = joined(&["invert", "hopkinson", "offset.csv", "--sense", "tension", "--json"], &KOLSKY);
+    assert_eq!(json(path, &pulled)["sense"], "tension");
     // The table ends with the loading.
     assert!(text.contains("the table ends there"), "{text}");
     let rates = text.lines().skip_while(|line| !line.contains("rate 1/s")).skip(1);

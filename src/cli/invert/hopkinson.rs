@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use super::shared::{self, Outputs};
+use crate::cli::critical::SenseArg;
 use crate::cli::lines::Lines;
 use crate::cli::result_file::is_result;
 use crate::cli::{output, quantity};
 use crate::error::{InputError, Result};
-use crate::material::Curve;
+use crate::material::{Curve, Sense};
 use crate::report;
 use crate::study::invert::hopkinson::{
     ElasticBar, Knot, Moment, Options, Records, Reduced, Setup, Test, records_from_csv, reduce,
@@ -52,6 +53,9 @@ pub(super) struct Args {
     /// Density of the specimen, for the material file (default: that of the result file).
     #[arg(long, value_parser = quantity::positive(Dimension::Density))]
     density: Option<f64>,
+    /// Sense of the test, for records in which compression is positive (default: positive strains are tension).
+    #[arg(long, value_enum)]
+    sense: Option<SenseArg>,
     /// Elastic modulus of the specimen, for the elastic part of the material file (default: that of the result file).
     #[arg(long, value_parser = quantity::positive(Dimension::Stress))]
     modulus: Option<f64>,
@@ -77,6 +81,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<()> {
     args.outputs.check()?;
     let (setup, records, test) = if is_result(&args.file) {
+        nothing_that_the_result_has(args)?;
         let test = Test::from_result(&shared::result_of_bar(&args.file)?, &args.gauges)?;
         (test.setup.clone(), test.records.clone(), Some(test))
     } else {
@@ -93,7 +98,43 @@ pub(super) fn run(args: &Args) -> Result<()> {
         poisson: args.poisson,
     };
     let mut reduced = reduce(&setup, &records, &options).map_err(|error| shared::in_file(error, &args.file))?;
+    reduced.sense = args.sense.map_or(reduced.sense, Into::into);
     write(args, &mut reduced, test.as_ref())
+}
+
+/// Refuses options that describe the test of a CSV file: those of a result file are in it.
+fn nothing_that_the_result_has(args: &Args) -> Result<()> {
+    let given = [
+        ("--bar-modulus", args.bar_modulus.is_some()),
+        ("--bar-density", args.bar_density.is_some()),
+        ("--bar-diameter", args.bar_diameter.is_some()),
+        ("--distances", !args.distances.is_empty()),
+        ("--specimen-length", args.specimen_length.is_some()),
+        ("--specimen-diameter", args.specimen_diameter.is_some()),
+        ("--sense", args.sense.is_some()),
+    ];
+    let keys: Vec<_> = given.into_iter().filter_map(|(key, set)| set.then_some(key)).collect();
+    let Some(key) = keys.first() else { return Ok(()) };
+    let message =
+        std::format!("{} is a result file, which states bars, specimen and gauges itself", args.file.display());
+    let help = std::format!("leave out {}, or give the records as CSV", keys.join(", "));
+    Err(InputError::new(message).key(*key).allowed("with CSV files only").help(help).into())
+}
+
+/// The sense of the test, and what says so.
+fn sense(args: &Args, reduced: &Reduced, test: Option<&Test>) -> String {
+    let sense = reduced.sense.name();
+    if test.is_some() {
+        return sense.into();
+    }
+    if args.sense.is_some() {
+        return std::format!("{sense} (by --sense)");
+    }
+    let (sign, other) = match reduced.sense {
+        Sense::Tension => ("positive", "compression"),
+        Sense::Compression => ("negative", "tension"),
+    };
+    std::format!("{sense}, since the incident pulse is {sign}; if {other} is {sign} in the records: --sense {other}")
 }
 
 fn setup(args: &Args) -> Result<Setup> {
@@ -205,6 +246,7 @@ fn lines(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Cur
     let size = show(setup.length, Dimension::Length);
     let material = test.map_or("", |t| t.material.as_str());
     lines.add("specimen", std::format!("{material} {size} long, section {}", show(setup.area, Dimension::Area)).trim());
+    lines.add("sense", sense(args, reduced, test));
     let shifts = [setup.incident, setup.transmitted].map(|bar| show(bar.distance / bar.c0(), Dimension::Time));
     lines.add(
         "gauge delays",

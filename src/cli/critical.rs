@@ -11,7 +11,8 @@ use super::{interrupt, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::material::{
-    self, Curve, HeatingError, Material, Scatter, Sense, TestCurve, library, mean_curve, mean_modulus, rate_tables,
+    self, Curve, HeatingError, Loading, Material, Scatter, Sense, TestCurve, library, mean_curve, mean_modulus,
+    rate_tables,
 };
 use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, confirm};
 use crate::study::critical::{CriticalRow, critical};
@@ -215,6 +216,7 @@ fn mean_of(materials: &[Material]) -> Result<Material> {
         return Err(error.help("name the files of all tests").into());
     }
     one_density(materials)?;
+    one_loading(materials)?;
     let test = |m: &Material| TestCurve {
         record: m.name.clone(),
         modulus: m.modulus,
@@ -248,6 +250,25 @@ fn one_density(materials: &[Material]) -> Result<()> {
     );
     let help = "leave out --repeats to see each material with its own density, or give the files the same density";
     Err(InputError::new(message).key("--repeats").allowed("materials of one density, within 1 %").help(help).into())
+}
+
+/// The loading of a material's test, as its file states it.
+fn loading(material: &Material) -> &'static str {
+    match (material.loading, material.sense) {
+        (Loading::Shear, _) => "shear",
+        (Loading::Axial, Sense::Tension) => "tension",
+        (Loading::Axial, Sense::Compression) => "compression",
+    }
+}
+
+/// Repeats are tests of one loading: the engineering curves of tension, compression and shear differ for the same metal.
+fn one_loading(materials: &[Material]) -> Result<()> {
+    let first = &materials[0];
+    let Some(other) = materials.iter().find(|m| loading(m) != loading(first)) else { return Ok(()) };
+    let of = |m: &Material| format!("`{}` ({}) is of a test in {}", m.name, m.provenance.origin, loading(m));
+    let message = format!("{} and {}: they are not repeats of one test", of(first), of(other));
+    let help = "leave out --repeats to see each material; `sense` and `loading` in the files state what was tested";
+    Err(InputError::new(message).key("--repeats").allowed("tests of one loading").help(help).into())
 }
 
 fn progress_bar(args: &Args, materials: usize) -> ProgressBar {

@@ -60,7 +60,8 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
     if loading == Loading::Shear {
         no_senses_in_shear(&raw, &given, keys)?;
     }
-    let main = given.branch(given.sense, modulus, keys)?;
+    let sense = given.sense;
+    let main = given.branch(sense, modulus, keys)?;
     let compression = compression(&raw, &given, modulus, keys)?;
     let steepest = compression.iter().map(|c| c.curve.steepest()).fold(main.curve.steepest(), f64::max);
     let constants = constants::resolve(&raw, given.describe(), keys)?;
@@ -69,6 +70,7 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
         density: keys.si(&raw.density)?,
         modulus: modulus.unwrap_or(steepest),
         loading,
+        sense,
         poisson: keys.si(&raw.poisson)?,
         table_error: compression.as_ref().map_or(main.error, |c| c.error.max(main.error)),
         constants,

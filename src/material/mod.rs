@@ -123,6 +123,9 @@ pub struct Material {
     /// What the curve and the modulus are of.
     #[serde(skip_serializing_if = "Loading::is_axial")]
     pub loading: Loading,
+    /// Sense of the test that the main curve, `tension`, is of.
+    #[serde(skip)]
+    pub sense: Sense,
     /// Poisson's ratio where the file gives one.
     pub poisson: Option<f64>,
     /// First loading in tension (and in compression too where `compression` is absent).
@@ -166,6 +169,7 @@ impl Material {
             density,
             modulus: curve.steepest(),
             loading: Loading::Axial,
+            sense: Sense::Tension,
             poisson: None,
             tension: curve,
             compression: None,

@@ -160,6 +160,26 @@ fn a_wrong_csv_is_refused_before_anything_is_written() {
     assert!(!folder.path().join("a.toml").exists());
 }
 
+/// Curves of tension, compression and shear were averaged.
+#[test]
+fn repeats_have_one_loading() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, more: &str| {
+        let rows = "beyond = \"rupture\"\n[curve]\ntable = [[1e-3, 200e6], [0.1, 400e6]]";
+        std::fs::write(folder.path().join(name), format!("density = 7850\n{more}\n{rows}\n")).expect("a file");
+    };
+    write("pulled.toml", "sense = \"tension\"");
+    write("pressed.toml", "sense = \"compression\"");
+    write("sheared.toml", "loading = \"shear\"");
+    for (other, name) in [("pressed.toml", "compression"), ("sheared.toml", "shear")] {
+        let output = barwave(folder.path(), &["critical", "--repeats", "pulled.toml", other]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.contains("in tension") && message.contains(&format!("in {name}")), "{message}");
+        assert!(message.contains(other) && message.contains("--repeats"), "{message}");
+    }
+}
+
 #[test]
 fn repeats_have_one_density() {
     let light = material(T_A, "rupture").replace("8000", "2700");

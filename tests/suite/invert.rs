@@ -531,6 +531,53 @@ fn zero_offsets_of_the_gauges_are_removed() {
     assert!(rates.len() > 5 && rates.iter().all(|rate| *rate > 0.0), "{text}");
 }
 
+/// 50 microstrain raised the stress by 6 %.
+#[test]
+fn zero_offsets_of_gauges_along_a_bar_are_removed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    // Elastic up to 60 MPa (120 GPa), then 2 GPa; pulled at 20 m/s, 20 us after the start of the record.
+    let c = [120e9_f64, 2e9].map(|modulus| (modulus / 8000.0).sqrt());
+    let largest = 5e-4 + (20.0 - 5e-4 * c[0]) / c[1];
+    let places = [0.05, 0.1, 0.2];
+    let write = |name: &str, offset: f64| {
+        let mut rng = XorShiftRng::seed_from_u64(5);
+        let mut text = String::from("time_us,a_ue,b_ue,c_ue\n");
+        for k in 0..2000 {
+            let t = 2e-7 * f64::from(k) - 20e-6;
+            let _ = write!(text, "{}", 1e6 * t);
+            for x in places {
+                let strain = if t > x / c[1] {
+                    largest
+                } else if t > x / c[0] {
+                    5e-4
+                } else {
+                    0.0
+                };
+                let noise = 2.0 * 12.0_f64.sqrt() * (rng.random::<f64>() - 0.5);
+                let _ = write!(text, ",{}", 1e6 * (strain + offset) + noise);
+            }
+            text.push('\n');
+        }
+        std::fs::write(path.join(name), text).expect("a file");
+    };
+    write("clean.csv", 0.0);
+    write("offset.csv", 2e-4);
+    let fixed = ["--at", "50mm,100mm,200mm", "--density", "8000", "--modulus", "120 GPa"];
+    let found = |name: &str| json(path, &joined(&["invert", "arrivals", name, "--json"], &fixed));
+    let last = |found: &Value| {
+        let points = found["points"].as_array().expect("points");
+        points[points.len() - 1]["stress_Pa"]["value"].as_f64().expect("a number")
+    };
+    let (clean, offset) = (found("clean.csv"), found("offset.csv"));
+    assert!((last(&offset) / last(&clean) - 1.0).abs() < 0.005, "{} {}", last(&clean), last(&offset));
+    for found in offset["zero_offsets"].as_array().expect("offsets") {
+        assert!((found.as_f64().expect("a number") / 2e-4 - 1.0).abs() < 0.02, "{found}");
+    }
+    let text = done(path, &joined(&["invert", "arrivals", "offset.csv"], &fixed));
+    assert!(text.contains("zero offsets      ") && text.contains("ue, removed"), "{text}");
+}
+
 #[test]
 fn records_that_cannot_be_reduced_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -126,6 +126,10 @@ fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
     let places: Vec<String> = places.iter().map(|x| show(*x, Dimension::Length)).collect();
     lines.add("gauges", std::format!("{} from the loaded end", places.join(", ")));
     lines.add("density", show(options.density, Dimension::Density));
+    if let Some(offsets) = inverted.zero_offsets.as_ref().filter(|all| all.iter().any(|&offset| offset != 0.0)) {
+        let offsets: Vec<String> = offsets.iter().map(|&offset| shared::micro(offset)).collect();
+        lines.add("zero offsets", std::format!("{}, removed", offsets.join(", ")));
+    }
     if let (Some(curvature), Some(misfit)) = (inverted.curvature, inverted.misfit) {
         let curvature = 100.0 * curvature;
         lines

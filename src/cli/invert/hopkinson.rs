@@ -253,7 +253,7 @@ fn lines(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Cur
         std::format!("{} incident, {} transmitted, at c0 = {:.1} m/s", shifts[0], shifts[1], setup.incident.c0()),
     );
     lines.add("window", std::format!("{} after arrival of the pulse", show(reduced.window_s, Dimension::Time)));
-    let pair = |[a, b]: [f64; 2]| std::format!("{} incident, {} transmitted", micro(a), micro(b));
+    let pair = |[a, b]: [f64; 2]| std::format!("{} incident, {} transmitted", shared::micro(a), shared::micro(b));
     lines.add("zero offsets", std::format!("{}, removed", pair(reduced.zero_offsets)));
     lines.add("noise", std::format!("{} before the pulses", pair(reduced.noise)));
     lines.add(
@@ -294,12 +294,6 @@ fn lines(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Cur
         );
     }
     lines
-}
-
-/// A strain in microstrain.
-fn micro(strain: f64) -> String {
-    // Zero has no sign.
-    std::format!("{:.1} ue", (1e7 * strain).round() / 10.0 + 0.0)
 }
 
 /// Rows shown to people, up to the end of the loading; CSV has all moments.

@@ -179,6 +179,12 @@ pub(super) fn needed(value: Option<f64>, option: &str, example: &str) -> Result<
     })
 }
 
+/// A strain in microstrain.
+pub(super) fn micro(strain: f64) -> String {
+    // Zero has no sign.
+    format!("{:.1} ue", (1e7 * strain).round() / 10.0 + 0.0)
+}
+
 /// Warnings as lines.
 pub(super) fn warnings(all: &[String]) -> String {
     all.iter().flat_map(|warning| ["warning: ", warning, "\n"]).collect()

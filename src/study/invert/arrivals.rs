@@ -19,7 +19,9 @@ use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
 use super::records::{Record, Recording};
 use super::table::Table;
+use super::zero::Zeroed;
 use crate::error::{InputError, Result};
+use crate::material::Sense;
 use crate::study::random::standard_normal;
 use crate::units::Dimension;
 
@@ -58,6 +60,9 @@ pub struct Inverted {
     pub curvature: Option<f64>,
     /// The same over their noise: about 1 in a simple wave. Where it is larger, the intervals are widened by it.
     pub misfit: Option<f64>,
+    /// Zero offsets of the gauges, by distance: mean strain before the wave, which is removed where it exceeds its error; none where they
+    /// are not known.
+    pub zero_offsets: Option<Vec<f64>>,
     /// What limits the result.
     pub warnings: Vec<String>,
 }
@@ -90,7 +95,8 @@ struct Arrivals {
 pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> {
     let mut warnings = recording.notes.clone();
     enough_gauges(recording.records.iter().map(|r| r.distance), options)?;
-    let records = before_reflection(&recording.records, options, &mut warnings);
+    let zero = zeroed(recording, options, &mut warnings);
+    let records = before_reflection(&zero.records, options, &mut warnings);
     let fits: Vec<Vec<f64>> = records.iter().map(|r| non_decreasing(&r.strain, |_| 1.0)).collect();
     let noise: Vec<Noise> = records.iter().zip(&fits).map(|(r, fit)| Noise::about(&r.strain, fit)).collect();
     // The fit overshoots by noise at its end.
@@ -108,12 +114,18 @@ pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> 
     };
     let mut rng = XorShiftRng::seed_from_u64(options.seed);
     let mut replicate = |_| {
-        let noisy = noise.iter().zip(&fits).map(|(n, fit)| non_decreasing(&n.replicate(fit, &mut rng), |_| 1.0));
+        let noisy = noise.iter().zip(&fits).zip(&zero.errors).map(|((n, fit), &error)| {
+            let mut drawn = n.replicate(fit, &mut rng);
+            let offset = if error > 0.0 { error * standard_normal(&mut rng) } else { 0.0 };
+            drawn.iter_mut().for_each(|e| *e += offset);
+            non_decreasing(&drawn, |_| 1.0)
+        });
         let noisy: Vec<Vec<f64>> = noisy.collect();
         displaced(read(&noisy), |k| sampling(&records[k]), options.position_error, &mut rng)
     };
     let replicates: Vec<Arrivals> = (0..options.replicates).map(&mut replicate).collect();
     let mut inverted = invert(&read(&fits), &replicates, options, warnings)?;
+    inverted.zero_offsets = zero.offsets;
     let kept = |(i, _): &(usize, WavePoint)| (i + 1) % (LEVELS / POINTS) == 0;
     inverted.points = inverted.points.into_iter().enumerate().filter(kept).map(|(_, point)| point).collect();
     Ok(inverted)
@@ -150,6 +162,46 @@ pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
     };
     let replicates: Vec<Arrivals> = (0..options.replicates).map(&mut replicate).collect();
     invert(&arrivals, &replicates, options, warnings)
+}
+
+/// Fewest samples before the wave whose mean is a zero offset, and the standard errors that it exceeds.
+const FEWEST_QUIET: usize = 5;
+const OFFSET: f64 = 3.0;
+
+/// Records without their zero offsets.
+struct Zero {
+    records: Vec<Record>,
+    /// Standard errors of what was removed; 0 where nothing was.
+    errors: Vec<f64>,
+    /// As recorded; none where a record is too short before the wave, or was simulated.
+    offsets: Option<Vec<f64>>,
+}
+
+/// Removes what gauges record before the elastic wave can have come to them, or before the loading where its speed is not known.
+fn zeroed(recording: &Recording, options: &Options, warnings: &mut Vec<String>) -> Zero {
+    let mut zero =
+        Zero { records: recording.records.clone(), errors: vec![0.0; recording.records.len()], offsets: None };
+    if recording.simulated {
+        return zero;
+    }
+    let slowness = options.modulus.map_or(0.0, |modulus| (options.density / modulus).sqrt());
+    let quiet = |r: &Record| Zeroed::until(&r.time, &r.strain, options.start + slowness * r.distance);
+    let found: Vec<Zeroed> = recording.records.iter().map(quiet).collect();
+    if let Some(k) = found.iter().position(|zeroed| zeroed.samples < FEWEST_QUIET) {
+        let needs = if options.modulus.is_some() { "samples" } else { "the modulus, or samples" };
+        let name = &recording.records[k].name;
+        warnings.push(format!("not checked: zero offset of {name} (needs {needs} before the wave arrives)"));
+    }
+    let matters = |z: &Zeroed| z.samples >= FEWEST_QUIET && z.offset.abs() > OFFSET * z.offset_error;
+    let sign = if recording.sense == Sense::Compression { -1.0 } else { 1.0 };
+    let known = found.iter().all(|zeroed| zeroed.samples >= FEWEST_QUIET);
+    zero.offsets = known.then(|| found.iter().map(|z| if matters(z) { sign * z.offset } else { 0.0 }).collect());
+    for ((record, error), zeroed) in zero.records.iter_mut().zip(&mut zero.errors).zip(found) {
+        if matters(&zeroed) {
+            (record.strain, *error) = (zeroed.record.1, zeroed.offset_error);
+        }
+    }
+    zero
 }
 
 fn enough_gauges(distances: impl Iterator<Item = f64>, options: &Options) -> Result<()> {
@@ -367,7 +419,7 @@ fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warni
     }));
     let unknown = unknown_start(&points, "give levels at and below the elastic limit");
     let warnings = warnings.chain(unknown).collect();
-    Ok(Inverted { points, distances: arrivals.distance.clone(), curvature, misfit, warnings })
+    Ok(Inverted { points, distances: arrivals.distance.clone(), curvature, misfit, zero_offsets: None, warnings })
 }
 
 /// Refuses arrivals that are earlier farther away.

@@ -17,6 +17,7 @@ mod records;
 pub mod residual;
 mod setup;
 mod table;
+mod zero;
 
 pub use curve::{Interval, WavePoint};
 pub use material::{MaterialText, MeasuredKnot, extended, from_waves, material_text, with_elastic_part};

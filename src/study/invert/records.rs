@@ -41,6 +41,8 @@ pub struct Recording {
     pub length: Option<f64>,
     /// The curve that a simulation used, for comparison.
     pub given: Option<Curve>,
+    /// Whether a run recorded it, with gauges that have no zero offset.
+    pub simulated: bool,
     /// What of the file simple-wave theory does not describe.
     pub notes: Vec<String>,
 }
@@ -85,6 +87,7 @@ impl Recording {
             modulus: None,
             length: None,
             given: None,
+            simulated: false,
             notes: Vec::new(),
         }
         .in_the_sense_of_loading())
@@ -113,6 +116,7 @@ impl Recording {
             modulus: Some(segment.modulus),
             length: Some(segment.length),
             given: None,
+            simulated: true,
             notes: setup::outside_theory(file.metadata()),
         };
         let recording = recording.in_the_sense_of_loading();

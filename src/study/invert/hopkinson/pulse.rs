@@ -2,21 +2,7 @@
 
 use super::test_set::{Record, Records, Setup};
 use crate::error::{InputError, Result};
-use crate::study::invert::noise::Noise;
-
-/// A record without its zero offset.
-pub(super) struct Zeroed {
-    /// Times (s) and strains.
-    pub(super) record: Record,
-    /// Mean strain before the pulse, which is removed.
-    pub(super) offset: f64,
-    /// Its standard error.
-    pub(super) offset_error: f64,
-    /// Standard deviation of the strain about it before the pulse.
-    pub(super) noise: f64,
-    /// Before the pulse.
-    samples: usize,
-}
+use crate::study::invert::zero::{QUIET, Zeroed, mean};
 
 /// The incident pulse at its gauge.
 pub(super) struct Pulse {
@@ -33,9 +19,6 @@ const ENDS: f64 = 0.1;
 
 /// Part of the largest strain that only a pulse has: offsets and noise are smaller.
 const RISEN: f64 = 0.25;
-
-/// Part of the time before a pulse that is free of its foot.
-const QUIET: f64 = 0.8;
 
 /// Part of the time to the reflected pulse in which the incident one is looked at: positions and speeds are not exact.
 const ALONE: f64 = 0.98;
@@ -58,52 +41,30 @@ pub(super) fn separate(setup: &Setup, records: &Records) -> Result<([Zeroed; 2],
             .help("check the order and the units of the columns")
     })?;
     in_order(records, time[first])?;
-    let incident = Zeroed::until(&records.incident, time[first]);
-    incident.starts_before(strain)?;
+    let incident = Zeroed::until(time, strain, time[first]);
+    starts_before(&incident, strain)?;
     let pulse = incident_pulse(setup, &incident.record, first)?;
     let due = pulse.arrival + setup.incident.delay() + setup.transmitted.delay();
-    let transmitted = Zeroed::until(&records.transmitted, due);
+    let transmitted = Zeroed::until(&records.transmitted.0, &records.transmitted.1, due);
     Ok(([incident, transmitted], pulse))
 }
 
-impl Zeroed {
-    /// With the pulse at a time.
-    fn until((time, strain): &Record, pulse: f64) -> Self {
-        let start = time.first().copied().unwrap_or(0.0);
-        let samples = time.partition_point(|&t| t < start + QUIET * (pulse - start)).max(1).min(strain.len());
-        let quiet = &strain[..samples];
-        let offset = mean(quiet);
-        let noise = Noise::about(quiet, &vec![offset; samples]);
-        Self {
-            record: (time.clone(), strain.iter().map(|e| e - offset).collect()),
-            offset,
-            offset_error: noise.error_of_mean(),
-            noise: noise.rms(),
-            samples,
-        }
+/// Refuses what is no zero offset of the incident gauge: a level of the pulse.
+fn starts_before(zeroed: &Zeroed, strain: &[f64]) -> Result<()> {
+    let largest = strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
+    let most = if zeroed.samples < FEWEST { SMALL } else { RISEN };
+    if zeroed.offset.abs() <= most * largest {
+        return Ok(());
     }
-
-    /// Refuses what is no zero offset of the incident gauge: a level of the pulse.
-    fn starts_before(&self, strain: &[f64]) -> Result<()> {
-        let largest = strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
-        let most = if self.samples < FEWEST { SMALL } else { RISEN };
-        if self.offset.abs() <= most * largest {
-            return Ok(());
-        }
-        let message = format!(
-            "the record of the incident bar starts at a strain of {:.2e}, and its largest is {largest:.2e}: it starts inside \
-             the pulse, or the zero of the gauge is far off",
-            self.offset
-        );
-        Err(InputError::new(message)
-            .allowed(format!("a start at up to {:.0} % of the largest strain", 100.0 * most))
-            .help("record from before the pulse on (pre-trigger), or subtract the zero offset")
-            .into())
-    }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+    let message = format!(
+        "the record of the incident bar starts at a strain of {:.2e}, and its largest is {largest:.2e}: it starts inside \
+         the pulse, or the zero of the gauge is far off",
+        zeroed.offset
+    );
+    Err(InputError::new(message)
+        .allowed(format!("a start at up to {:.0} % of the largest strain", 100.0 * most))
+        .help("record from before the pulse on (pre-trigger), or subtract the zero offset")
+        .into())
 }
 
 /// The first row of the pulse: where the strain, on its way to what only a pulse has, leaves that of the start.

@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::pulse::{Pulse, Zeroed, separate};
+use super::pulse::{Pulse, separate};
 use super::test_set::{Records, Setup};
 use crate::error::{InputError, Result};
 use crate::material::Sense;
 use crate::study::invert::bands::HALF_95;
 use crate::study::invert::noise::at;
+use crate::study::invert::zero::Zeroed;
 
 /// How to reduce.
 #[derive(Debug, Clone)]

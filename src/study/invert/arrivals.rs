@@ -18,6 +18,7 @@ use super::curve::{Integrated, WavePoint, bounds, integrate, points, unknown_sta
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
 use super::records::{Record, Recording};
+use super::setup;
 use super::table::Table;
 use super::zero::Zeroed;
 use crate::error::{InputError, Result};
@@ -206,6 +207,7 @@ fn zeroed(recording: &Recording, options: &Options, warnings: &mut Vec<String>) 
 
 fn enough_gauges(distances: impl Iterator<Item = f64>, options: &Options) -> Result<()> {
     let mut distances: Vec<f64> = distances.collect();
+    setup::on_the_bar(distances.iter().copied(), options.length)?;
     distances.sort_by(f64::total_cmp);
     distances.dedup();
     let needed = if options.centred { 1 } else { 2 };

@@ -317,6 +317,7 @@ impl Start {
 /// # Errors
 /// A profile without strain above its noise; speeds that already explain more than the impact velocity.
 pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
+    setup::on_the_bar(profile.distance.iter().copied(), options.length)?;
     // Towards the struck end the strain does not decrease.
     let place: Vec<f64> = profile.distance.iter().rev().copied().collect();
     let strain: Vec<f64> = profile.strain.iter().rev().copied().collect();

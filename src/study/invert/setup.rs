@@ -40,6 +40,20 @@ impl Segment {
     }
 }
 
+/// Refuses distances from the loaded end beyond the length of the bar.
+///
+/// # Errors
+/// A gauge or a section past the far end.
+pub(super) fn on_the_bar(distances: impl Iterator<Item = f64>, length: Option<f64>) -> Result<()> {
+    let farthest = distances.fold(0.0, f64::max);
+    // Positions in a result file are rounded.
+    let Some(length) = length.filter(|length| farthest > length * (1.0 + 1e-6)) else { return Ok(()) };
+    let message =
+        format!("the bar is {length} m long, and strains are given at up to {farthest} m from its loaded end");
+    let error = InputError::new(message).key("--length").allowed(format!("at least {farthest} m"));
+    Err(error.help("check the length and the positions, and their units").into())
+}
+
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
 }

@@ -65,7 +65,8 @@ impl Kind {
 const ON_SPECIMEN: [&str; 5] = ["extenso", "aufnehmer", "feindehn", "clip gauge", "clip-on"];
 
 /// Parts of headings, in lower case, of what includes the deformation of machine and grips.
-const OF_MACHINE: [&str; 5] = ["crosshead", "stroke", "traverse", "actuator", "machine"];
+const OF_MACHINE: [&str; 9] =
+    ["crosshead", "stroke", "traverse", "actuator", "machine", "position", "standardweg", "querhaupt", "kolben"];
 
 /// Where an extension or a strain was measured, the better one first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -89,6 +90,12 @@ pub(super) fn place(title: &str) -> Place {
     } else {
         Place::Unknown
     }
+}
+
+/// A heading of shear strain or shear stress, or of torsion.
+pub(super) fn is_shear(title: &str) -> bool {
+    let title = title.to_lowercase();
+    ["shear", "schub", "scher", "cisaillement", "torsion"].iter().any(|part| title.contains(part))
 }
 
 /// Words, or their beginnings, of headings of logarithmic strain and true stress, in lower case ...
@@ -301,8 +308,8 @@ mod tests {
             assert_eq!(measure(title, kind), expected, "{title}");
         }
         assert_eq!(
-            ["Extensometer (mm)", "Weg", "Crosshead"].map(place),
-            [Place::Specimen, Place::Unknown, Place::Machine]
+            ["Extensometer (mm)", "Weg", "Crosshead", "Position (mm)", "Standardweg"].map(place),
+            [Place::Specimen, Place::Unknown, Place::Machine, Place::Machine, Place::Machine]
         );
     }
 }

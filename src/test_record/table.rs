@@ -49,6 +49,10 @@ pub struct Record {
     pub units_named: UnitsNamed,
     /// The measure that the headings name; none where they name none.
     pub measure: Option<Measure>,
+    /// The heading of the strains or extensions, where it says that they are those of the crosshead.
+    pub machine: Option<String>,
+    /// A heading of shear.
+    pub shear: Option<String>,
     document: Document,
     spans: Vec<std::ops::Range<usize>>,
 }
@@ -94,11 +98,14 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
         spans.push(line.span.clone());
     }
     let measure = measure(&document, &table, [&abscissa, &ordinate], reading)?;
+    let machine = (heading::place(&abscissa.title) == Place::Machine).then(|| abscissa.title.clone());
+    let shear = [&abscissa, &ordinate].into_iter().find(|column| heading::is_shear(&column.title));
+    let shear = shear.map(|column| column.title.clone());
     let name = name(path);
     let encoded = encoding.map_or_else(String::new, |encoding| format!("; the text is {encoding}"));
     let columns = describe(&table, &abscissa, &ordinate) + &encoded;
     let units_named = UnitsNamed { strain: abscissa.named || abscissa.kind == Kind::Extension, stress: ordinate.named };
-    Ok(Record { name, rows, columns, units_named, measure, document, spans })
+    Ok(Record { name, rows, columns, units_named, measure, machine, shear, document, spans })
 }
 
 /// The name of a record: that of its file, without the folder.
@@ -135,6 +142,9 @@ fn pair(document: &Document, table: &Table, reading: &Reading) -> Result<[(Kind,
 /// The measure that the headings of the two columns name; none where they name none. A heading that names true values beside one that names nothing
 /// may be on either: programs call strains true that stand beside engineering stresses.
 fn measure(document: &Document, table: &Table, columns: [&Column; 2], reading: &Reading) -> Result<Option<Measure>> {
+    if reading.measure == Some(Measure::True) {
+        on_current_dimensions(columns)?;
+    }
     let [strain, stress] = columns.map(|column| heading::measure(&column.title, column.kind));
     let one_is_true = [strain, stress].contains(&Some(Measure::True)) && strain != stress;
     if reading.measure.is_some() || !one_is_true {
@@ -144,6 +154,19 @@ fn measure(document: &Document, table: &Table, columns: [&Column; 2], reading: &
     let message = format!("only one of `{}` and `{}` is named as true", columns[0].title, columns[1].title);
     let help = "state the measure of both with --measure true or --measure engineering, or convert one of the columns";
     Err(document.error(span, "", message).allowed("both engineering or both true").help(help).into())
+}
+
+/// Refuses true values of columns that are divided by the initial gauge length or cross-section.
+fn on_current_dimensions(columns: [&Column; 2]) -> Result<()> {
+    let divided = |column: &&Column| matches!(column.kind, Kind::Extension | Kind::Force);
+    let Some(column) = columns.into_iter().find(divided) else { return Ok(()) };
+    let what = match column.kind {
+        Kind::Force => "a force over the initial cross-section",
+        _ => "an extension over the initial gauge length",
+    };
+    let message = format!("`{}` is {what}: an engineering value", column.title);
+    let error = InputError::new(message).key("--measure").allowed("columns of true strain and true stress");
+    Err(error.help("leave out --measure").into())
 }
 
 fn describe(table: &Table, abscissa: &Column, ordinate: &Column) -> String {

@@ -476,6 +476,22 @@ fn an_extensometer_is_taken_before_a_crosshead() {
     }
 }
 
+/// The modulus of a crosshead record, and a shear record as an axial one, were taken without a word.
+#[test]
+fn records_of_a_crosshead_and_of_shear_are_noted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let specimen = ["--gauge-length", "50 mm", "--area", "100 mm^2"];
+    let crosshead = machine_record("Time (s),Crosshead (mm),Other,Load (kN)");
+    let found = import(folder.path(), "a.csv", &crosshead, &specimen);
+    assert!(found["notes"].to_string().contains("deformation of machine and grips"), "{found:#}");
+    let corrected = [&specimen[..], &["--modulus", "205 GPa", "--compliance"]].concat();
+    let found = import(folder.path(), "a.csv", &crosshead, &corrected);
+    assert!(!found["notes"].to_string().contains("deformation of machine and grips"), "{found:#}");
+    let shear = csv(&noisy(400, 0.25, 1e-4, 1)).replace("strain,stress_MPa", "shear strain,shear stress (MPa)");
+    let found = import(folder.path(), "a.csv", &shear, &[]);
+    assert!(found["notes"].to_string().contains("in place of `sense`"), "{found:#}");
+}
+
 #[test]
 fn headings_name_the_measure_in_several_languages() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -660,7 +676,15 @@ fn wrong_records_are_refused_with_one_clear_error() {
         let _ = writeln!(tiny, "{e:.8},{:.8}", s / 9.8e6);
     }
     // Text, options, and what the message holds; a line number stands before a colon.
-    let cases: [(&str, &[&str], &str); 26] = [
+    let machine = machine_record("Time (s),Crosshead (mm),Extensometer (mm),Load (kN)");
+    let cases: [(&str, &[&str], &str); 29] = [
+        (&machine, &["--gauge-length", "50", "--area", "100 mm^2"], "`50` has no unit and would be 50 m"),
+        (&machine, &["--gauge-length", "50 mm", "--diameter", "6"], "`6` has no unit and would be 6 m"),
+        (
+            &machine,
+            &["--gauge-length", "50 mm", "--area", "100 mm^2", "--measure", "true"],
+            "an extension over the initial gauge length",
+        ),
         ("time,load\n0,1\n1,2\n", &[], "no column of strain or extension"),
         (&line(7, "0.1,abc"), &[], "8: `abc` is not a number"),
         (&line(7, "0.1,nan"), &[], "8: `nan` is not a number"),

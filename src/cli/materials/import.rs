@@ -284,6 +284,11 @@ fn si(value: &Quantity, dimension: Dimension, key: &str) -> Result<f64> {
 fn reading(args: &Args) -> Result<Reading> {
     let column = |kind, column: &Option<String>| column.clone().map(|name| (kind, name));
     let of = |value: &Option<Quantity>, dimension, key| value.as_ref().map(|v| si(v, dimension, key)).transpose();
+    let sizes = [(&args.gauge_length, "--gauge-length"), (&args.diameter, "--diameter")];
+    for (size, key) in sizes {
+        meant_in_metres(size.as_ref(), 1.0, Dimension::Length, key)?;
+    }
+    meant_in_metres(args.area.as_ref(), 0.1, Dimension::Area, "--area")?;
     let diameter = of(&args.diameter, Dimension::Length, "--diameter")?;
     let area = of(&args.area, Dimension::Area, "--area")?;
     Ok(Reading {
@@ -316,6 +321,19 @@ fn how(args: &Args) -> Result<Reduce> {
         stress_step: 0.0,
         strain_step: 0.0,
     })
+}
+
+/// Refuses a plain number that no specimen has in metres or square metres: it is one in millimetres or inches.
+fn meant_in_metres(size: Option<&Quantity>, most: f64, dimension: Dimension, key: &str) -> Result<()> {
+    let Some(Quantity::Number(value)) = size.filter(|size| size.si(dimension).is_ok_and(|value| value >= most)) else {
+        return Ok(());
+    };
+    let (unit, example) = if dimension == Dimension::Area { ("m^2", "mm^2") } else { ("m", "mm") };
+    let error = InputError::new(format!("`{value}` has no unit and would be {value} {unit}")).key(key);
+    Err(error
+        .allowed(format!("a size with its unit, or below {most} {unit}"))
+        .help(format!("e.g. {key} \"{value} {example}\""))
+        .into())
 }
 
 /// Stresses below this without a unit are MPa read as Pa.
@@ -586,7 +604,25 @@ fn notes(args: &Args, imported: &[Imported], material: &Material) -> Vec<String>
         }
         Sense::Tension => None,
     };
-    material.notes().into_iter().chain(of_sense.map(str::to_owned)).collect()
+    let headings = imported.iter().flat_map(|one| of_headings(args, &one.record));
+    material.notes().into_iter().chain(of_sense.map(str::to_owned)).chain(headings).collect()
+}
+
+/// What the headings of a record say that the curve does not tell.
+fn of_headings(args: &Args, record: &Record) -> Vec<String> {
+    let machine = record.machine.as_ref().filter(|_| !args.compliance).map(|title| {
+        format!(
+            "`{title}` holds the deformation of machine and grips, too, and so do modulus and strains; with the modulus of the material, \
+             --modulus \"207 GPa\" --compliance takes it out"
+        )
+    });
+    let shear = record.shear.as_ref().map(|title| {
+        format!(
+            "`{title}` names shear, and the curve is written as that of an axial test; for shear stress and engineering shear strain \
+             write loading = \"shear\" in place of `sense` in the file"
+        )
+    });
+    machine.into_iter().chain(shear).collect()
 }
 
 /// The report for people.

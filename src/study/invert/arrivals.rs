@@ -118,7 +118,9 @@ pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> 
         let noisy = noise.iter().zip(&fits).zip(&zero.errors).map(|((n, fit), &error)| {
             let mut drawn = n.replicate(fit, &mut rng);
             let offset = if error > 0.0 { error * standard_normal(&mut rng) } else { 0.0 };
-            drawn.iter_mut().for_each(|e| *e += offset);
+            for strain in &mut drawn {
+                *strain += offset;
+            }
             non_decreasing(&drawn, |_| 1.0)
         });
         let noisy: Vec<Vec<f64>> = noisy.collect();

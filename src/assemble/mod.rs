@@ -152,8 +152,7 @@ fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
         return first;
     }
     if !sudden_fans::is_uniform(scene) {
-        let stressed = scene.bar.has_initial_state();
-        return if stressed { sudden_fans::at_ends_of_segments(scene) } else { first };
+        return sudden_fans::until_changes_come(first, scene, (grid, late));
     }
     let stepped = as_stepped(scene, grid);
     let later = sudden_fans::tracked(&stepped, scene.solve.until);

@@ -2,8 +2,8 @@
 
 use super::front_tracking;
 use crate::bar::{
-    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, at_spring, drives_at_start, imposes_until,
-    same_section, same_state, spring_waves,
+    Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, at_spring, drives_at_start, first_change,
+    imposes_until, same_section, same_state, spring_waves,
 };
 use crate::law::Table;
 use crate::material::Sense;
@@ -75,8 +75,59 @@ pub(super) fn with_later(
     first
 }
 
+/// The `first` fans of a bar that is not uniform, and the later ones, as long as nothing comes to them from where a section or an initial state changes.
+pub(super) fn until_changes_come(first: Vec<InitialFan>, scene: &Scene, (grid, late): (&Grid, f64)) -> Vec<InitialFan> {
+    let first = if scene.bar.has_initial_state() { at_ends_of_segments(scene) } else { first };
+    let stepped = super::as_stepped(scene, grid);
+    let undisturbed = undisturbed_until(&stepped.bar);
+    let latest = undisturbed.iter().copied().fold(0.0, f64::max).min(scene.solve.until);
+    let tracked = tracked(&in_halves(&stepped), latest);
+    let together = |a: &InitialFan, b: &InitialFan| a.origin == b.origin && a.from == b.from;
+    let whole = tracked.chunk_by(together).filter_map(|fans| in_whole_segments(fans, &stepped.bar)).flatten();
+    let (at_start, later): (Vec<InitialFan>, Vec<InitialFan>) = whole.partition(|fan| fan.from == 0.0);
+    let started = |origin: Origin| first.iter().any(|fan| fan.origin == origin);
+    let missed: Vec<Origin> = at_start.iter().map(|fan| fan.origin).filter(|&origin| !started(origin)).collect();
+    let known = later.into_iter().filter(|fan| !missed.contains(&fan.origin)).filter_map(|fan| {
+        // What comes from there meets its first front half-way.
+        let holds_until = fan.holds_until.min(0.5 * (undisturbed[place(fan.origin, &stepped.bar)] - fan.from));
+        let lasts = holds_until >= takes_shape(&fan, &stepped, grid);
+        lasts.then_some(InitialFan { holds_until, ..fan })
+    });
+    with_later(first, &known.collect::<Vec<_>>(), &stepped, (grid, late))
+}
+
+/// When the first wave can come to each end and joint, from the left, s, from where a section or an initial state changes. Between halves of a
+/// segment that is not uniform, nothing is known of the middle.
+fn undisturbed_until(bar: &Bar) -> Vec<f64> {
+    let transits = bar.transit_times();
+    let mut times = vec![f64::INFINITY; bar.segments.len() + 1];
+    for (k, segment) in bar.segments.iter().enumerate() {
+        for (side, direction) in [(0, 1.0), (1, -1.0)] {
+            let change = first_change(segment, direction);
+            let parts = if change.is_finite() { (change / segment.length).min(0.5) } else { f64::INFINITY };
+            times[k + side] = times[k + side].min(parts * transits[k]);
+        }
+    }
+    for k in 0..transits.len() {
+        times[k + 1] = times[k + 1].min(times[k] + transits[k]);
+    }
+    for k in (0..transits.len()).rev() {
+        times[k] = times[k].min(times[k + 1] + transits[k]);
+    }
+    times
+}
+
+/// Number of an end or a joint, from the left.
+fn place(origin: Origin, bar: &Bar) -> usize {
+    match origin {
+        Origin::Left => 0,
+        Origin::Joint(k) => k + 1,
+        Origin::Right => bar.segments.len(),
+    }
+}
+
 /// Those with which ends and joints of a bar with an initial state start, whatever the bar is like further in.
-pub(super) fn at_ends_of_segments(scene: &Scene) -> Vec<InitialFan> {
+fn at_ends_of_segments(scene: &Scene) -> Vec<InitialFan> {
     let halves = in_halves(scene);
     // None of the waves from the middles of segments has come anywhere yet.
     let shortest = halves.bar.transit_times().into_iter().fold(f64::INFINITY, f64::min);
@@ -160,7 +211,8 @@ fn in_whole_segments(fans: &[InitialFan], bar: &Bar) -> Option<Vec<InitialFan>> 
         let at = &bar.segments[segment];
         let uniform_for =
             same_section(at, direction).min(same_state(at, direction, force / area(fan), fan.changes()[1]));
-        InitialFan { origin, segment, uniform_for, ..fan.clone() }
+        let wave_through = fan.wave_through.map(|half| half / 2);
+        InitialFan { origin, segment, wave_through, uniform_for, ..fan.clone() }
     };
     Some(fans.iter().map(whole).collect())
 }

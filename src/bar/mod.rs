@@ -26,7 +26,7 @@ pub use spring_wave::{at_spring, spring_waves};
 pub use sudden_load::SuddenLoad;
 pub use sudden_loads::SuddenLoads;
 pub use taper::{Profile, Taper};
-pub(crate) use uniform::{same_section, same_state};
+pub(crate) use uniform::{first_change, same_section, same_state};
 
 use crate::material::Material;
 

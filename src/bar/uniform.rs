@@ -33,6 +33,17 @@ pub(crate) fn same_state(segment: &Segment, direction: f64, stress: f64, strain:
     travelling.min(stays(&profile.plastic_strain)).min(stays(&profile.accumulated))
 }
 
+/// Distance from the left (`direction` +1) or right (-1) end of a segment at which its section or its initial state begins to change, m; infinite in a
+/// uniform one.
+pub(crate) fn first_change(segment: &Segment, direction: f64) -> f64 {
+    let section = segment.taper.iter().map(|taper| taper.rows().map(|(x, _)| (x, taper.area(x))).collect());
+    let states = segment.profile.iter().flat_map(|profile| {
+        [&profile.velocity, &profile.stress, &profile.plastic_strain, &profile.accumulated, &profile.temperature_rise]
+    });
+    let tables = section.chain(states.map(|table| table.part(0.0, segment.length).rows().collect()));
+    tables.map(|rows| same(rows, direction, 0.0).0).fold(f64::INFINITY, f64::min)
+}
+
 /// Distance from the first or the last of these rows (x, value), straight between them, within which the value changes by no more than `allowed`, and whether
 /// it jumps there.
 fn same(mut rows: Vec<(f64, f64)>, direction: f64, allowed: f64) -> (f64, bool) {
@@ -75,6 +86,15 @@ mod tests {
         assert!((within(&rows, -1.0) - 0.1).abs() < 1e-12);
         assert_eq!(within(&[(0.0, 1.0), (3.0, 1.05)], 1.0), f64::INFINITY);
         assert_eq!(same_section(&segment(3.0), 1.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn tables_change_from_a_place_on() {
+        let rows = [(0.0, 1.0), (1.0, 1.0), (2.0, 2.0), (2.5, 2.0), (3.0, 2.0)];
+        let taper = Taper::new(Profile::Area, &rows).expect("rows rise");
+        let tapered = Segment { taper: Some(Arc::new(taper)), ..segment(3.0) };
+        assert_eq!([1.0, -1.0].map(|direction| first_change(&tapered, direction)), [1.0, 1.0]);
+        assert_eq!(first_change(&segment(3.0), 1.0), f64::INFINITY);
     }
 
     #[test]

@@ -30,6 +30,9 @@ const MOST: usize = 6;
 /// Words that first name the metrics which are drawn of an impact without waves, whose figures are its own.
 const TELLING: [&str; 5] = ["peak", "largest", "restitution", "duration", "permanent"];
 
+/// Parts of the names of metrics that come after the others: those of places, of the first of several contacts, and of an estimate.
+const LESS_TELLING: [&str; 3] = [".", "first_contact_", "half_sine_"];
+
 /// Each metric that is a number in two cases at least, against the longest axis of numbers, with a line for every combination of the others.
 /// None where there is nothing to draw. SVG text.
 pub fn figure(title: &str, plan: &Plan, rows: &[Row]) -> Option<Picture> {
@@ -51,7 +54,8 @@ fn metrics(plan: &Plan, rows: &[Row]) -> Vec<String> {
     }
     let mut all: Vec<String> = rows.first().map_or_else(Vec::new, |row| row.metrics.keys().cloned().collect());
     all.retain(|name| has(name));
-    all.sort_by_key(|name| !TELLING.iter().any(|word| name.contains(word)));
+    let has_one_of = |name: &str, words: &[&str]| words.iter().any(|word| name.contains(word));
+    all.sort_by_key(|name| (!has_one_of(name, &TELLING), has_one_of(name, &LESS_TELLING)));
     all
 }
 

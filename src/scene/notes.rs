@@ -36,7 +36,7 @@ impl Scene {
         let bar = bar.chain(self.hardening_that_gives_back()).chain(self.critical_velocity_of_another_state());
         let deprecated = super::deprecated::notes(&self.text, &self.overrides);
         let bar = bar.chain(self.sharp_waves_that_disperse());
-        let bar = bar.chain(self.short_contacts()).chain(self.few_steps());
+        let bar = bar.chain(self.short_contacts()).chain(self.few_steps()).chain(self.jumps_against_dampers());
         bar.chain(self.misses()).chain(self.late_histories()).chain(materials).chain(deprecated).collect()
     }
 
@@ -155,6 +155,29 @@ impl Scene {
                  means over steps; use more cells, or method = \"moc\""
             )
         })
+    }
+
+    /// A velocity that jumps strains the bar beside it at once, which dampers resist without bound.
+    fn jumps_against_dampers(&self) -> Option<String> {
+        self.effects.damping.filter(|damping| damping.internal > 0.0)?;
+        let segments = &self.bar.segments;
+        let ends = [("left", &self.left, &segments[0], 0), ("right", &self.right, &segments[segments.len() - 1], 1)];
+        let jumps = |(_, end, at, k): &(&str, &EndCondition, &Segment, usize)| {
+            let velocity = at.end_velocities()[*k];
+            match end {
+                EndCondition::Velocity { history, .. } => {
+                    history.value()[0] != velocity || history.jumps_between(0.0, self.solve.until)
+                }
+                EndCondition::Striker { velocity: own, .. } => *own != velocity,
+                EndCondition::Fixed => velocity != 0.0,
+                _ => false,
+            }
+        };
+        let (side, ..) = ends.into_iter().find(jumps)?;
+        Some(format!(
+            "the velocity of the {side} end jumps, and with internal damping the force has no finite peak there: it grows with the number of \
+             cells; give the velocity as a `history` that rises over some time steps"
+        ))
     }
 
     /// Histories that have hardly begun when the run ends, mostly times without their unit.

@@ -215,7 +215,7 @@ fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) ->
         }
         Err(Error::Interrupted) => {
             "the coarse runs that select the method exceed the time limit of `plan`; `run` performs them and shows its \
-             progress"
+             progress; method, grid and time below are those of the scene without a tolerance"
                 .into()
         }
         Ok(None) | Err(_) => "no method is expected to reach the tolerance".into(),

@@ -96,7 +96,7 @@ fn bodies_need_a_material_that_is_not_in_shear() {
         ("energy-method.toml", "specimen"),
     ] {
         let set = format!("{key}.material={shear}");
-        let output = barwave(folder.path(), "check", name, &[&set], &[]);
+        let output = barwave(folder.path(), "run", name, &[&set], &["-o", "r.h5"]);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{name}: {message}");
         assert!(message.contains("`s` has a shear curve, whose modulus is not Young's"), "{name}: {message}");
@@ -112,7 +112,7 @@ fn waves_leave_a_half_space() {
     // Lamb's problem with the pulse of Hertz, both by quadrature; Hunter has 6.2e-3 for steel.
     let slow = run(&[]);
     within(&slow, "radiated_ratio", 6.72e-3, 0.07e-3);
-    assert!(slow["vibration_ratio"].is_null() && slow["notes"].to_string() == "[]", "{slow}");
+    assert!(slow["vibration_ratio"].is_null() && slow["notes"] == serde_json::json!([]), "{slow}");
     let fast = run(&["striker.velocity=100"]);
     within(&fast, "radiated_ratio", 0.1065, 0.0011);
     assert!(fast["notes"].to_string().contains("% of the energy leaves in waves"), "{fast}");
@@ -148,7 +148,7 @@ fn a_report_has_its_notes_in_its_units() {
     assert!(notes.contains("critical velocity of the material, 90.1195 m/s"), "{notes}");
     binary::done(folder.path(), &["report", "e.h5", "-o", "e.html", "--units", "us"]);
     let page = std::fs::read_to_string(folder.path().join("e.html")).expect("a page");
-    assert!(page.contains("critical velocity of the material, 295.7"), "{page}");
+    assert!(page.contains("critical velocity of the material, 295.668 ft/s"), "{page}");
 }
 
 /// Of a soft ball of 30 mm on a rod of 12 mm the contact would be as wide as the rod.
@@ -300,26 +300,6 @@ fn free_vibration_takes_few_steps() {
     let peak = |key: &str| summary["gauges"]["m"][key].as_f64().expect("a number").abs();
     assert!((peak("peak_deflection_m") / 1.37811e-8 - 1.0).abs() < 1e-3, "{summary}");
     assert!((peak("peak_strain") / 1.28589e-8 - 1.0).abs() < 1e-3, "{summary}");
-}
-
-/// The largest strain at the impact was searched through all of the free vibration of 1.2 s, for half a minute, although the beam is far from
-/// yielding; without a material there is no such search.
-#[test]
-fn a_material_does_not_slow_a_long_beam() {
-    let long = [
-        "beam.length=\"9 m\"",
-        "beam.width=\"3 cm\"",
-        "beam.depth=\"3 cm\"",
-        "record.gauges=",
-        "striker.radius=\"3 mm\"",
-    ];
-    let wall = |more: &[&str]| {
-        let summary = run("beam.toml", &[&long[..], &["striker.velocity=5"], more].concat());
-        summary["wall_s"].as_f64().expect("a time")
-    };
-    let steel = ["beam.modulus=", "beam.density=", "beam.material=\"mild-steel\""];
-    let (with, without) = (wall(&steel), wall(&[]));
-    assert!(with < 5.0 * without, "{with} s {without} s");
 }
 
 #[test]

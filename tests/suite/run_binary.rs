@@ -891,7 +891,7 @@ fn a_segment_shorter_than_a_cell_is_noted() {
         format!(
             "[[bar.segment]]\nlength = 0.1\n{steel}\n[[bar.segment]]\nlength = {length}\n{steel}\n[left]\nkind = \
              \"velocity\"\nvalue = 1\n\
-             [right]\nkind = \"free\"\n[solve]\nuntil = 2e-6\n{solve}\n"
+             [right]\nkind = \"free\"\n[solve]\nuntil = 2e-5\n{solve}\n"
         )
     };
     for (name, text, noted) in [

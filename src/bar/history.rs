@@ -1,5 +1,9 @@
 //! A quantity given at points in time: linear between rows; a repeated time is a jump; the last value is held.
 
+/// Change within a step that is a jump, as part of the largest magnitude; and how many there may be: a noisy record has many.
+const STEEP: f64 = 0.1;
+const MOST_STEEP: usize = 8;
+
 /// A checked history. Before its first row, and before t = 0, it is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
@@ -101,6 +105,32 @@ impl History {
             value.push(v.clamp(low, high));
         }
         Self { time, value }
+    }
+
+    /// As steps of `step` (s) see it: where it changes within less than one by a tenth of its largest magnitude, it jumps half-way, or at t = 0.
+    #[must_use]
+    pub fn in_steps_of(&self, step: f64) -> Self {
+        let (time, value, least) = (&self.time, &self.value, STEEP * self.extreme().abs());
+        let is_apart = |k: usize| (k == 0 || time[k - 1] < time[k]) && time.get(k + 2).is_none_or(|&t| time[k + 1] < t);
+        let is_steep = |k: &usize| {
+            let (rise, change) = (time[k + 1] - time[*k], value[k + 1] - value[*k]);
+            0.0 < rise && rise < step && change.abs() > least && is_apart(*k)
+        };
+        let steep: Vec<usize> = (0..time.len() - 1).filter(is_steep).collect();
+        let mut jumps = self.clone();
+        if steep.len() > MOST_STEEP {
+            return jumps;
+        }
+        for k in steep.into_iter().rev() {
+            if time[k] == 0.0 {
+                jumps.time[1] = 0.0;
+                jumps.time.remove(0);
+                jumps.value.remove(0);
+            } else {
+                jumps.time[k..k + 2].fill(0.5 * (time[k] + time[k + 1]));
+            }
+        }
+        jumps
     }
 
     /// The rows' times, s.
@@ -228,6 +258,20 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_rises_within_a_step_jumps() {
+        let history = |rows: &[(f64, f64)]| History::new(rows).expect("rows are right");
+        let ramp = history(&[(0.0, 0.0), (5.0, 0.0), (5.5, 4.0), (9.0, 4.1), (9.5, 4.2)]);
+        assert_eq!(ramp.in_steps_of(0.5), ramp);
+        let jump = history(&[(0.0, 0.0), (5.25, 0.0), (5.25, 4.0), (9.0, 4.1), (9.5, 4.2)]);
+        assert_eq!(ramp.in_steps_of(1.0), jump);
+        assert_eq!(jump.in_steps_of(1.0), jump);
+        assert_eq!(history(&[(0.0, 0.0), (0.5, 4.0), (9.0, 5.0)]).in_steps_of(1.0), history(&[(0.0, 4.0), (9.0, 5.0)]));
+        assert_eq!(History::constant(3.0).in_steps_of(1.0), History::constant(3.0));
+        let noisy: Vec<(f64, f64)> = (0..20).map(|k| (0.1 * f64::from(k), f64::from(k % 2))).collect();
+        assert_eq!(history(&noisy).in_steps_of(1.0), history(&noisy));
+    }
 
     #[test]
     fn mean_is_exact_across_ramps_and_jumps() {

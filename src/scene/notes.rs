@@ -24,6 +24,12 @@ impl Scene {
         ends || !self.bar.starts_at_rest() || self.effects.rupture.is_some()
     }
 
+    /// Each end with its name, its segment, and on which side of that it is.
+    fn ends_and_segments(&self) -> [(&'static str, &EndCondition, &Segment, usize); 2] {
+        let segments = &self.bar.segments;
+        [("left", &self.left, &segments[0], 0), ("right", &self.right, &segments[segments.len() - 1], 1)]
+    }
+
     /// A sentence each; of a scene in pieces, those of the scene that was asked for.
     pub fn notes(&self) -> Vec<String> {
         if let Some(cut) = &self.discretized {
@@ -126,8 +132,7 @@ impl Scene {
     /// Balls whose contact lasts few time steps: their force is too small on a grid.
     fn short_contacts(&self) -> Vec<String> {
         let Some(cells) = self.solve.method.cells() else { return Vec::new() };
-        let (segments, step) = (&self.bar.segments, self.bar.transit_time() / cells as f64);
-        let ends = [("left", &self.left, &segments[0], 0), ("right", &self.right, &segments[segments.len() - 1], 1)];
+        let step = self.bar.transit_time() / cells as f64;
         let note = |(side, end, at, k): (&str, &EndCondition, &Segment, usize)| {
             let EndCondition::Ball { mass, velocity, contact } = end else { return None };
             let closing = (velocity - at.end_velocities()[k]).abs();
@@ -142,7 +147,7 @@ impl Scene {
                 )
             })
         };
-        ends.into_iter().filter_map(note).collect()
+        self.ends_and_segments().into_iter().filter_map(note).collect()
     }
 
     /// Runs on a grid end with a whole time step.
@@ -160,8 +165,6 @@ impl Scene {
     /// A velocity that jumps strains the bar beside it at once, which dampers resist without bound.
     fn jumps_against_dampers(&self) -> Option<String> {
         self.effects.damping.filter(|damping| damping.internal > 0.0)?;
-        let segments = &self.bar.segments;
-        let ends = [("left", &self.left, &segments[0], 0), ("right", &self.right, &segments[segments.len() - 1], 1)];
         let jumps = |(_, end, at, k): &(&str, &EndCondition, &Segment, usize)| {
             let velocity = at.end_velocities()[*k];
             match end {
@@ -173,7 +176,7 @@ impl Scene {
                 _ => false,
             }
         };
-        let (side, ..) = ends.into_iter().find(jumps)?;
+        let (side, ..) = self.ends_and_segments().into_iter().find(jumps)?;
         Some(format!(
             "the velocity of the {side} end jumps, and with internal damping the force has no finite peak there: it grows with the number of \
              cells; give the velocity as a `history` that rises over some time steps"

@@ -56,23 +56,8 @@ const MOST_SHIFT: f64 = 3.0;
 /// The grid of a scene: about `cells` cells, Courant number `cfl`. Sharp waves cross a cell in a step where they can: by 1e-4 less, the scheme
 /// disperses them, by 10 % of their stress. Smooth waves do not need that, and are of second order without.
 pub fn grid(scene: &Scene, cells: usize, cfl: f64) -> Grid {
-    grid_of(&in_steps(scene, cells, cfl), cells, cfl)
-}
-
-/// The scene as its time steps see it: a load that rises within one jumps. Half-way up it the first cell would overshoot, as it does without the fan.
-fn in_steps(scene: &Scene, cells: usize, cfl: f64) -> Scene {
-    let (step, mut scene) = (Grid::new(&scene.bar, cells, cfl).dt, scene.clone());
-    for end in [&mut scene.left, &mut scene.right] {
-        if let EndCondition::Velocity { history, .. } | EndCondition::Stress { history } = end {
-            *history = history.in_steps_of(step);
-        }
-    }
-    scene
-}
-
-fn grid_of(scene: &Scene, cells: usize, cfl: f64) -> Grid {
     let grid = Grid::new(&scene.bar, cells, cfl);
-    if cfl < 1.0 || !scene.may_have_sharp_waves() {
+    if cfl < 1.0 || !(scene.may_have_sharp_waves() || sudden_fans::rise_within_steps(scene, grid.dt)) {
         return grid;
     }
     grid.in_whole_steps(&scene.bar, MOST_SHIFT / grid.steps_to(scene.solve.until) as f64)
@@ -80,8 +65,7 @@ fn grid_of(scene: &Scene, cells: usize, cfl: f64) -> Grid {
 
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
-    let scene = &in_steps(scene, cells, cfl);
-    let grid = grid_of(scene, cells, cfl);
+    let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
     let ends = ends_on_grid(scene);
     let at_once = scene.effects.rate.is_none();
@@ -149,8 +133,7 @@ fn starts_on_curves(scene: &Scene) -> bool {
 
 /// The conservative finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
 pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
-    let scene = &in_steps(scene, cells, cfl);
-    let grid = grid_of(scene, cells, cfl);
+    let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
     let media = scene.bar.segments.iter().map(|s| medium(s, &scene.effects)).collect();
     let mut fans = sudden_fans(scene, &grid, sudden_fans::LATE_IN_MUSCL);
@@ -172,7 +155,7 @@ fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
         return sudden_fans::until_changes_come(first, scene, (grid, late));
     }
     let stepped = as_stepped(scene, grid);
-    let later = sudden_fans::tracked(&stepped, scene.solve.until);
+    let later = sudden_fans::tracked(&stepped, grid.dt, scene.solve.until);
     sudden_fans::with_later(first, &later, &stepped, (grid, late))
 }
 

@@ -1,6 +1,6 @@
 //! A quantity given at points in time: linear between rows; a repeated time is a jump; the last value is held.
 
-/// Change within a step that is a jump, as part of the largest magnitude; and how many there may be: a noisy record has many.
+/// Change that counts as a rise, as part of the largest magnitude; and how many there may be: a noisy record has many.
 const STEEP: f64 = 0.1;
 const MOST_STEEP: usize = 8;
 
@@ -107,28 +107,32 @@ impl History {
         Self { time, value }
     }
 
-    /// As steps of `step` (s) see it: where it changes within less than one by a tenth of its largest magnitude, it jumps half-way, or at t = 0.
-    #[must_use]
-    pub fn in_steps_of(&self, step: f64) -> Self {
+    /// Where it rises, or falls, without a pause, and within at most `longest` (s), by a tenth of its largest magnitude or more: from and to when, s.
+    /// None of more than eight: a noisy record has many.
+    pub fn rises(&self, longest: f64) -> Vec<[f64; 2]> {
         let (time, value, least) = (&self.time, &self.value, STEEP * self.extreme().abs());
-        let is_apart = |k: usize| (k == 0 || time[k - 1] < time[k]) && time.get(k + 2).is_none_or(|&t| time[k + 1] < t);
-        let is_steep = |k: &usize| {
-            let (rise, change) = (time[k + 1] - time[*k], value[k + 1] - value[*k]);
-            0.0 < rise && rise < step && change.abs() > least && is_apart(*k)
+        let change = |k: usize| value[k + 1] - value[k];
+        let pairs: Vec<usize> = (0..time.len() - 1).filter(|&k| change(k) != 0.0).collect();
+        let goes_on = |&a: &usize, &b: &usize| b == a + 1 && (change(a) > 0.0) == (change(b) > 0.0);
+        let ends = |run: &[usize]| (run[0], run[run.len() - 1] + 1);
+        let is_steep = |&(first, last): &(usize, usize)| {
+            let lasts = time[last] - time[first];
+            0.0 < lasts && lasts <= longest && (value[last] - value[first]).abs() > least
         };
-        let steep: Vec<usize> = (0..time.len() - 1).filter(is_steep).collect();
+        let rises: Vec<[f64; 2]> =
+            pairs.chunk_by(goes_on).map(ends).filter(is_steep).map(|(a, b)| [time[a], time[b]]).collect();
+        if rises.len() > MOST_STEEP { Vec::new() } else { rises }
+    }
+
+    /// The same, but that it jumps as each of these [`Self::rises`] begins.
+    #[must_use]
+    pub fn jumping(&self, rises: &[[f64; 2]]) -> Self {
         let mut jumps = self.clone();
-        if steep.len() > MOST_STEEP {
-            return jumps;
-        }
-        for k in steep.into_iter().rev() {
-            if time[k] == 0.0 {
-                jumps.time[1] = 0.0;
-                jumps.time.remove(0);
-                jumps.value.remove(0);
-            } else {
-                jumps.time[k..k + 2].fill(0.5 * (time[k] + time[k + 1]));
-            }
+        for &[from, until] in rises {
+            let [first, last] = [from, until].map(|t| jumps.time.partition_point(|&row| row < t));
+            let (ahead, behind) = (jumps.before(from), jumps.before(until));
+            jumps.time.splice(first..last, [from, from]);
+            jumps.value.splice(first..last, [ahead, behind]);
         }
         jumps
     }
@@ -260,17 +264,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_rises_within_a_step_jumps() {
+    fn rises_are_short_and_large_and_end_where_the_value_holds_or_falls() {
         let history = |rows: &[(f64, f64)]| History::new(rows).expect("rows are right");
-        let ramp = history(&[(0.0, 0.0), (5.0, 0.0), (5.5, 4.0), (9.0, 4.1), (9.5, 4.2)]);
-        assert_eq!(ramp.in_steps_of(0.5), ramp);
-        let jump = history(&[(0.0, 0.0), (5.25, 0.0), (5.25, 4.0), (9.0, 4.1), (9.5, 4.2)]);
-        assert_eq!(ramp.in_steps_of(1.0), jump);
-        assert_eq!(jump.in_steps_of(1.0), jump);
-        assert_eq!(history(&[(0.0, 0.0), (0.5, 4.0), (9.0, 5.0)]).in_steps_of(1.0), history(&[(0.0, 4.0), (9.0, 5.0)]));
-        assert_eq!(History::constant(3.0).in_steps_of(1.0), History::constant(3.0));
+        let pulse = [(0.0, 0.0), (5.0, 0.0), (5.2, 1.0), (5.5, 4.0), (9.0, 4.0), (9.0, 2.0), (9.3, 0.0), (9.5, 0.1)];
+        let pulse = history(&pulse);
+        assert_eq!(pulse.rises(0.2), Vec::<[f64; 2]>::new());
+        assert_eq!(pulse.rises(0.4), [[9.0, 9.3]]);
+        assert_eq!(pulse.rises(0.5), [[5.0, 5.5], [9.0, 9.3]]);
+        let jumps = [(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (5.5, 4.0), (9.0, 4.0), (9.0, 0.0), (9.3, 0.0), (9.5, 0.1)];
+        assert_eq!(pulse.jumping(&pulse.rises(0.5)), history(&jumps));
+        let from_start = history(&[(0.0, 0.0), (0.5, 4.0), (9.0, 4.0)]);
+        assert_eq!(
+            from_start.jumping(&from_start.rises(1.0)),
+            history(&[(0.0, 0.0), (0.0, 4.0), (0.5, 4.0), (9.0, 4.0)])
+        );
+        assert_eq!(History::constant(3.0).rises(1.0), Vec::<[f64; 2]>::new());
         let noisy: Vec<(f64, f64)> = (0..20).map(|k| (0.1 * f64::from(k), f64::from(k % 2))).collect();
-        assert_eq!(history(&noisy).in_steps_of(1.0), history(&noisy));
+        assert_eq!(history(&noisy).rises(1.0), Vec::<[f64; 2]>::new());
     }
 
     #[test]

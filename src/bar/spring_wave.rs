@@ -89,7 +89,7 @@ fn in_steps(fan: &Fan, rises: impl Fn(&Edge) -> f64, dt: f64) -> (Vec<Edge>, Vec
 }
 
 /// A part of a front.
-fn between(edge: &Edge, from: f64, to: f64) -> Edge {
+pub(super) fn between(edge: &Edge, from: f64, to: f64) -> Edge {
     let at = |ahead: f64, behind: f64, part: f64| ahead + part * (behind - ahead);
     Edge {
         strain_ahead: at(edge.strain_ahead, edge.strain_behind, from),

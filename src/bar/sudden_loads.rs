@@ -63,7 +63,8 @@ fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
     let segment = &bar.segments[fan.segment];
     let (material, [stress, velocity]) = (&segment.material, fan.state_behind()?);
     let lasts = fan.known_until(segment.length).min(fan.followed_for(dx, material.c0()));
-    (lasts > 0.0).then(|| SuddenLoad {
+    // Fans that grow come to the state behind them later; schemes show them themselves.
+    (lasts > 0.0 && fan.delays.is_empty()).then(|| SuddenLoad {
         stress,
         velocity,
         by_body: (fan.driver == Driver::Body).then(|| -fan.direction * material.modulus * fan.relief(material.c0())),

@@ -206,7 +206,8 @@ impl StartingFan {
         let part = (step + 1) as f64 - self.from / dt;
         let (ahead, behind) = (self.fronts[0].ahead, [self.velocity_behind, self.stress]);
         let mean = [0, 1].map(|i| ahead[i] + part * (behind[i] - ahead[i]));
-        (!self.by_wave && self.from > 0.0 && self.begins_at(step) && self.first < self.steps).then_some(mean)
+        (!self.by_wave && !self.grows() && self.from > 0.0 && self.begins_at(step) && self.first < self.steps)
+            .then_some(mean)
     }
 
     /// The first step, this one or a later one, at the end of which one of these is imposed.

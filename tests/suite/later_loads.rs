@@ -434,20 +434,39 @@ fn a_velocity_jumps_later() {
     }
 }
 
-/// Whether the fan of the first velocity had ended when the second one came was a matter of rounding: with 330 to 340 and 380 to 400 cells the strain was 18 %
-/// too large.
-/// Records of instruments rise within a step. Their first cells overshot by 15 % in strain and 6 % in force at any number of cells, which error figures
-/// did not show.
+/// Records of instruments rise within some steps. Their first cells overshot by 15 to 2 % in strain and 6 to 1 % in force at any number of cells, which
+/// error figures did not show. With 400 and 1000 cells this is a tenth of a step to 200 steps.
 #[test]
-fn what_rises_within_a_step_starts_as_a_jump() {
-    for (name, history) in [("at 5 us", "[[0, 0], [5e-6, 0], [5.02e-6, -15]]"), ("at once", "[[0, 0], [2e-8, -15]]")] {
-        let end = format!("kind = \"velocity\"\nhistory = {history}");
-        let case = Case::new(segment(0.5, BILINEAR, 0.0, ""), FREE, &end, "40 us");
-        case.assert_near(name, "right/peak_force_N", &[400, 1000], 0.005);
-        case.assert_near(name, "largest_plastic_strain", &[400, 1000], 0.01);
+fn loads_that_rise_within_some_steps_start_with_their_fan() {
+    let histories = [
+        ("at once", BILINEAR, "velocity", "[0, 0], [2e-8, -15]"),
+        ("within a step", BILINEAR, "velocity", "[0, 0], [5e-6, 0], [5.02e-6, -15]"),
+        ("within 2 to 5", BILINEAR, "velocity", "[0, 0], [5e-7, -15]"),
+        ("later", COPPER, "velocity", "[0, 0], [5e-6, 0], [6e-6, -20]"),
+        ("stress", BILINEAR, "stress", "[0, 0], [2e-6, 350e6]"),
+        ("in rows", COPPER, "stress", "[0, 20e6], [1e-6, 40e6], [1.5e-6, 40e6], [1.5e-6, 60e6], [3e-6, 160e6]"),
+        ("loaded before", BILINEAR, "velocity", "[0, -5], [1e-5, -5], [1.3e-5, -20]"),
+        ("in 20 us", COPPER, "velocity", "[0, 0], [2e-5, -20]"),
+    ];
+    for (name, material, kind, history) in histories {
+        let end = format!("kind = \"{kind}\"\nhistory = [{history}]");
+        let case = Case::new(segment(0.5, material, 0.0, ""), FREE, &end, "40 us");
+        case.assert_near(name, "right/peak_force_N", &[400, 1000], 0.001);
+        case.assert_near(name, "largest_plastic_strain", &[400, 1000], 0.007);
     }
 }
 
+/// The waves of a ramp are no sharper elsewhere in the bar than it is: a joint that yields under them starts without a fan of its own.
+#[test]
+fn what_a_rising_load_sends_through_the_bar_is_no_jump() {
+    let bar = segment(0.2, ELASTIC, 0.0, "") + &segment(0.3, BILINEAR, 0.0, "");
+    let case = Case::new(bar, "kind = \"velocity\"\nhistory = [[0, 0], [4e-6, 15]]", FREE, "70 us");
+    case.assert_near("through a joint", "segments/2/largest_plastic_strain", &[1000, 4000], 0.03);
+    case.assert_near("through a joint", "joints/1/peak_force_N", &[1000, 4000], 0.01);
+}
+
+/// Whether the fan of the first velocity had ended when the second one came was a matter of rounding: with 330 to 340 and 380 to 400 cells the strain was 18 %
+/// too large.
 #[test]
 fn a_velocity_jumps_while_its_first_fan_is_narrow() {
     let left = "kind = \"velocity\"\nhistory = [[0, -20], [2e-5, -20], [2e-5, -60]]";

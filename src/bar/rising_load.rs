@@ -1,0 +1,93 @@
+//! The fan of an end whose velocity or stress rises within some time steps. Its fronts are those of a jump, each of which leaves the end as the load
+//! comes to it: where none of them is a shock, later ones are slower, and none meets another.
+
+use super::spring_wave::between;
+use super::{Driver, EndCondition, History, InitialFan};
+use crate::material::Curve;
+use crate::wave::similarity::{Edge, Fan};
+
+/// Part of its change by which a load may differ from that of its fan.
+const SAME: f64 = 1e-6;
+
+/// The fan of an end that rises from the start of that of a `jump` to `until` (s), in steps of `dt` (s). None where it has shocks, and of another end or
+/// one that does more than its fan.
+pub fn at_rising_load(jump: &InitialFan, end: &EndCondition, curve: &Curve, until: f64, dt: f64) -> Option<InitialFan> {
+    let (driver, history) = match end {
+        EndCondition::Velocity { history, .. } => (Driver::Velocity, history),
+        EndCondition::Stress { history } => (Driver::Stress, history),
+        _ => return None,
+    };
+    let (size, sense): (fn(&Edge) -> f64, f64) = match driver {
+        Driver::Stress => (|edge| edge.stress_behind - edge.stress_ahead, jump.sense.sign()),
+        _ => (Edge::velocity_jump, -jump.direction * jump.sense.sign()),
+    };
+    let whole: f64 = jump.fan.edges.iter().map(size).sum();
+    let at_end = history.before(until);
+    // What of its fan has left the end at a value of the load, from 0 to the whole.
+    let gone = |value: f64| whole + sense * (value - at_end);
+    let begins = gone(history.at(jump.from));
+    if jump.fan.edges.iter().any(|edge| edge.is_shock(curve)) || begins < -SAME * whole || begins > whole {
+        return None;
+    }
+    let pieces = pieces(history, [jump.from, until], dt, gone);
+    let (mut edges, mut delays, mut ahead) = (Vec::new(), Vec::new(), 0.0);
+    for edge in &jump.fan.edges {
+        let jump = size(edge);
+        for step in pieces.chunk_by(|a, b| a.step == b.step) {
+            let [from, to] =
+                [step[0].gone[0], step[step.len() - 1].gone[1]].map(|gone| gone.clamp(ahead, ahead + jump));
+            if from < to {
+                edges.push(between(edge, (from - ahead) / jump, (to - ahead) / jump));
+                delays.push(mean_time(step, [from, to]));
+            }
+        }
+        ahead += jump;
+    }
+    let fan = Fan { edges, ..jump.fan.clone() };
+    (!fan.edges.is_empty()).then(|| InitialFan { fan, delays, driver, sudden: false, alone: false, ..jump.clone() })
+}
+
+/// A load in a part of a time step, in which it changes steadily.
+struct Piece {
+    step: usize,
+    /// From and to, s after the start.
+    times: [f64; 2],
+    /// What of the fan has left the end at these times.
+    gone: [f64; 2],
+}
+
+/// Those of a history between two times (s).
+fn pieces(history: &History, [from, until]: [f64; 2], dt: f64, gone: impl Fn(f64) -> f64) -> Vec<Piece> {
+    let first = (from / dt).floor() as usize;
+    let steps = (first + 1..).map(|step| step as f64 * dt).take_while(|&end| end < until);
+    let mut times: Vec<f64> = history.time().iter().copied().filter(|&row| from < row && row < until).collect();
+    times.extend(steps.chain([from, until]));
+    times.sort_by(f64::total_cmp);
+    let mut pieces = Vec::new();
+    // What it jumps by at once.
+    let mut last = 0.0;
+    for pair in times.windows(2) {
+        let step = (0.5 * (pair[0] + pair[1]) / dt) as usize;
+        let [start, end] = [history.at(pair[0]), history.before(pair[1])].map(&gone);
+        let times = [pair[0] - from, pair[1] - from];
+        if start > last {
+            pieces.push(Piece { step, times: [times[0]; 2], gone: [last, start] });
+        }
+        pieces.push(Piece { step, times, gone: [start, end] });
+        last = end;
+    }
+    pieces
+}
+
+/// When a load goes from one value of what has left to another in the mean over these pieces, s after the start.
+fn mean_time(pieces: &[Piece], [from, to]: [f64; 2]) -> f64 {
+    let mut moment = 0.0;
+    for Piece { times, gone, .. } in pieces {
+        let [a, b] = gone.map(|gone| gone.clamp(from, to));
+        if a < b {
+            let time = |value: f64| times[0] + (times[1] - times[0]) * (value - gone[0]) / (gone[1] - gone[0]);
+            moment += (b - a) * time(0.5 * (a + b));
+        }
+    }
+    moment / (to - from)
+}

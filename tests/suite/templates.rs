@@ -60,6 +60,50 @@ fn a_hopkinson_pulse_goes_through_the_specimen() {
     assert!(number(&summary, "/figures/gauges/transmitted/peak_stress_Pa") < -50e6);
 }
 
+/// The template by front tracking, with other values.
+fn hopkinson_by_fronts(folder: &Path, sets: &[String]) -> Value {
+    let moc = ["solve.method=moc", "solve.cells=", "solve.scheme=", "solve.max-events=20000"].map(str::to_owned);
+    let sets: Vec<&str> = moc.iter().chain(sets).flat_map(|set| ["--set", set]).collect();
+    serde_json::from_str(&succeed(folder, &[&["run", "--json", "mine.toml"], &sets[..]].concat())).expect("JSON")
+}
+
+/// A front of 1e-3 Pa that came to the specimen opened the joint, whose faces then closed at the same instant, for ever.
+#[test]
+fn a_split_hopkinson_bar_comes_to_its_end_with_any_front_tolerance() {
+    let folder = tempfile::tempdir().expect("a folder");
+    succeed(folder.path(), &["new", "--kind", "hopkinson", "mine"]);
+    let even = |from: f64, to: f64, count: u32| {
+        (0..count).map(move |k| from + (to - from) * f64::from(k) / f64::from(count - 1))
+    };
+    for tolerance in even(3.69e-3, 3.73e-3, 12).chain(even(4e-3, 2e-2, 30)) {
+        let summary = hopkinson_by_fronts(folder.path(), &[format!("solve.front-tolerance={tolerance:.6e}")]);
+        assert_eq!(summary["outcome"], "done", "{tolerance}");
+    }
+}
+
+#[test]
+fn random_split_hopkinson_bars_come_to_their_end() {
+    let folder = tempfile::tempdir().expect("a folder");
+    succeed(folder.path(), &["new", "--kind", "hopkinson", "mine"]);
+    // Fractions of multiples of irrational numbers are spread evenly.
+    let spread = |k: u32, by: f64, from: f64, to: f64| from + (to - from) * (f64::from(k) * by).fract();
+    for k in 1..=40 {
+        let velocity = spread(k, 2_f64.sqrt(), 5.0, 20.0);
+        let diameter = spread(k, 3_f64.sqrt(), 5.0, 15.0);
+        let length = spread(k, 5_f64.sqrt(), 3.0, 10.0);
+        let tolerance = spread(k, 7_f64.sqrt(), 4e-3, 2e-2);
+        let sets = [
+            format!("bar.segment.0.velocity={velocity:.3} m/s"),
+            format!("bar.segment.2.diameter={diameter:.3} mm"),
+            format!("bar.segment.2.length={length:.3} mm"),
+            format!("solve.front-tolerance={tolerance:.6e}"),
+        ];
+        let summary = hopkinson_by_fronts(folder.path(), &sets);
+        assert_eq!(summary["outcome"], "done", "{sets:?}");
+        assert!(number(&summary, "/ledger/energy_residual") < 1e-9, "{sets:?}");
+    }
+}
+
 #[test]
 fn the_curve_of_a_hopkinson_specimen_is_recovered_from_its_gauges() {
     let folder = tempfile::tempdir().expect("a folder");

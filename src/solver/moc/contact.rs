@@ -36,14 +36,13 @@ impl FrontTracking {
         if self.contacts[k].state.gap() == 0.0 {
             let (force, round_off) = self.force_between((left_segment, &left), (right_segment, &right));
             if self.contacts[k].state.press(force, round_off) {
-                self.contacts[k].update(0.0, 0.0);
+                self.contacts[k].update(0.0);
                 return false;
             }
         }
         let (behind_left, _) = self.emit_under(0.0, -1.0, &left, left_segment);
         let (behind_right, _) = self.emit_under(0.0, 1.0, &right, right_segment);
-        let medium = &self.media[left_segment as usize];
-        self.contacts[k].update(behind_right.velocity - behind_left.velocity, medium.round_off / medium.impedance());
+        self.contacts[k].update(behind_right.velocity - behind_left.velocity);
         self.send_left(prev, x, left_segment);
         let node = self.list.get_mut(id);
         (node.right, node.t) = (behind_right, self.now);

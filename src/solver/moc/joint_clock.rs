@@ -80,10 +80,12 @@ impl Contact {
         self.since = t;
     }
 
-    /// From now on the gap grows at `rate` (m/s; 0 where the faces press each other). Rates within `round_off` are no closing.
-    pub fn update(&mut self, rate: f64, round_off: f64) {
+    /// From now on the gap grows at `rate` (m/s; 0 where the faces press each other). Faces without a gap that do not press are not
+    /// closing either: the force has told, and a rate that says otherwise is rounding, however it compares across two impedances.
+    pub fn update(&mut self, rate: f64) {
         self.rate = rate;
-        self.closes = if rate < -round_off { self.since + self.state.gap() / -rate } else { f64::INFINITY };
+        let gap = self.state.gap();
+        self.closes = if gap > 0.0 && rate < 0.0 { self.since + gap / -rate } else { f64::INFINITY };
         let open = self.state.is_open();
         if self.changes.last().is_none_or(|last| last.open != open) {
             self.changes.push(JointChange { time: self.since, open });

@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::joint_forces::{JointForces, Peak};
 use super::response::{Response, evenly};
 use super::shape::{Cells, Shape};
-use crate::bar::Bar;
-use crate::record::{EndHistories, Stepped, Trace};
+use crate::bar::{Bar, Segment, SuddenLoad};
+use crate::law::rupture::Rupture;
+use crate::record::{EndHistories, Extreme, Stepped, Trace};
 use crate::solver::fd::Quantity;
 use crate::solver::moc::{FrontTracking, Piece};
 
@@ -34,21 +36,29 @@ pub struct GridListener {
     before: Option<(usize, [Shape; 2])>,
     ends: [History; 2],
     gauges: Vec<History>,
+    joints: JointForces,
+    /// Of the ends.
+    sudden: [Vec<SuddenLoad>; 2],
     response: Response,
 }
 
 impl GridListener {
     /// For a bar before its first step, with fields at the instants `asked` (s, increasing, all or every second, fourth ... of them) and so
-    /// many gauges.
-    pub fn new(scene: &Bar, bar: &impl Stepped, asked: &[f64], gauges: usize) -> Self {
+    /// many gauges and these `joints` (the segments on their left).
+    pub fn new(scene: &Bar, bar: &impl Stepped, asked: &[f64], gauges: usize, joints: &[usize]) -> Self {
         let (dt, cells) = (bar.grid().dt, bar.grid().cells());
         let rows = (MOST_VALUES / (gauges + 2)).clamp(ROWS[0], ROWS[1]);
+        let mut joints = JointForces::new(scene, joints);
+        let sudden = bar.sudden_loads();
+        joints.start_under(&sudden.joints);
         Self {
             due: instants(asked, cells),
             dt,
             before: None,
             ends: [History::new(rows), History::new(rows)],
             gauges: vec![History::new(rows); gauges],
+            joints,
+            sudden: sudden.ends,
             response: empty(scene),
         }
     }
@@ -101,17 +111,19 @@ impl GridListener {
             self.response.fields.push((instant, stress));
             if self.response.fields.len() == self.due.len() {
                 self.response.plastic = Some(plastic);
+                self.joints.close(bar.ruptures(), &bar.contacts());
             }
         }
     }
 
-    /// Takes in rows of the histories.
-    pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2]) {
-        let until = self.due.last().copied().unwrap_or(0.0);
+    /// Takes in rows of the histories, those of the joints behind those of the gauges, of a bar that broke so far as `ruptures` say.
+    pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2], ruptures: &[Rupture]) {
+        // Times are sums of steps: rounding.
+        let until = self.due.last().copied().unwrap_or(0.0) * (1.0 + 1e-9);
+        self.joints.hear(&gauges[self.gauges.len()..], 0, until, ruptures);
         for (history, trace) in self.ends.iter_mut().zip(ends).chain(self.gauges.iter_mut().zip(gauges)) {
             for (&time, &stress) in trace.time.iter().zip(&trace.stress) {
-                // Times are sums of steps: rounding.
-                if time <= until * (1.0 + 1e-9) {
+                if time <= until {
                     history.add(time, stress);
                 }
             }
@@ -124,9 +136,14 @@ impl GridListener {
         Response {
             ends: self.ends.iter().map(shape).collect(),
             gauges: self.gauges.iter().map(shape).collect(),
-            peak: self.ends.iter().map(|end| end.largest).fold(0.0, f64::max),
             ..self.response.clone()
         }
+        .with_peaks(self.end_peaks(), &self.joints)
+    }
+
+    /// Peaks of the ends, the forces of a section of 1 m^2.
+    fn end_peaks(&self) -> [Peak; 2] {
+        std::array::from_fn(|side| Peak::new(self.ends[side].largest, self.sudden[side].iter()))
     }
 }
 
@@ -134,7 +151,10 @@ impl GridListener {
 pub(super) fn empty(bar: &Bar) -> Response {
     let modulus = bar.segments.iter().map(|segment| segment.material.modulus).fold(0.0, f64::max);
     let lengths = bar.segments.iter().map(|segment| segment.length).collect();
-    Response { lengths, modulus, ..Response::default() }
+    let [first, last] = [&bar.segments[0], &bar.segments[bar.segments.len() - 1]];
+    let sections = [first.end_areas()[0], last.end_areas()[1]];
+    let least = bar.segments.iter().flat_map(Segment::end_areas).fold(f64::INFINITY, f64::min);
+    Response { lengths, modulus, sections, least_section: least, ..Response::default() }
 }
 
 fn profile(bar: &impl Stepped, quantity: Quantity) -> Shape {
@@ -152,8 +172,8 @@ struct History {
     last: Option<Row>,
     most: usize,
     every: usize,
-    /// Largest magnitude of all rows.
-    largest: f64,
+    /// Of all rows.
+    largest: Extreme,
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -165,11 +185,11 @@ struct Row {
 
 impl History {
     fn new(most: usize) -> Self {
-        Self { rows: Vec::new(), last: None, most, every: 1, largest: 0.0 }
+        Self { rows: Vec::new(), last: None, most, every: 1, largest: Extreme::default() }
     }
 
     fn add(&mut self, time: f64, stress: f64) {
-        self.largest = self.largest.max(stress.abs());
+        self.largest.add(time, stress);
         let (step, other_side) = match self.last {
             None => (0, None),
             Some(last) if last.time == time => (last.step, Some(last)),
@@ -210,13 +230,15 @@ impl History {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FrontListener {
     gauges: Vec<(Vec<f64>, Vec<f64>)>,
+    joints: JointForces,
     response: Response,
 }
 
 impl FrontListener {
-    /// For a bar at t = 0 with so many gauges.
-    pub fn new(scene: &Bar, gauges: usize) -> Self {
-        Self { gauges: vec![(Vec::new(), Vec::new()); gauges], response: empty(scene) }
+    /// For a bar at t = 0 with so many gauges and these `joints` (the segments on their left).
+    pub fn new(scene: &Bar, gauges: usize, joints: &[usize]) -> Self {
+        let gauges = vec![(Vec::new(), Vec::new()); gauges];
+        Self { gauges, joints: JointForces::new(scene, joints), response: empty(scene) }
     }
 
     /// Reads the stress over the bar now.
@@ -224,8 +246,10 @@ impl FrontListener {
         self.response.fields.push((bar.time(), stress_of(bar)));
     }
 
-    /// Takes in rows of the gauges.
-    pub fn hear(&mut self, gauges: &[Trace]) {
+    /// Takes in rows of the gauges, and of the joints behind them, of a bar that broke so far as `ruptures` say.
+    pub fn hear(&mut self, gauges: &[Trace], ruptures: &[Rupture]) {
+        // Joints are read on their right.
+        self.joints.hear(&gauges[self.gauges.len()..], 1, f64::INFINITY, ruptures);
         for ((times, stresses), trace) in self.gauges.iter_mut().zip(gauges) {
             times.extend(&trace.time);
             stresses.extend(&trace.stress);
@@ -241,9 +265,15 @@ impl FrontListener {
             rows.stress.extend(last.stress);
             self.response.ends.push(Shape::from_rows(&rows.time, &rows.stress));
         }
-        self.response.peak = self.response.ends.iter().map(Shape::largest).fold(0.0, f64::max);
-        self.response
+        self.joints.close(bar.ruptures(), &[]);
+        let ends = std::array::from_fn(|side| peak_of(self.response.ends.get(side)));
+        self.response.with_peaks(ends, &self.joints)
     }
+}
+
+/// Of a history without a sudden load that fades, the force of a section of 1 m^2.
+pub(super) fn peak_of(history: Option<&Shape>) -> Peak {
+    Peak { force: history.map_or(0.0, Shape::largest), has_no_limit: false }
 }
 
 /// Stress over a tracked bar now.
@@ -283,7 +313,7 @@ mod tests {
         assert!(history.rows.len() <= 17 && history.rows.len() > 8, "{}", history.rows.len());
         let gaps: Vec<f64> = history.rows.windows(2).map(|pair| pair[1].time - pair[0].time).collect();
         assert!(gaps.iter().all(|gap| *gap == gaps[0]), "{gaps:?}");
-        assert_eq!(history.largest, 9.0);
+        assert_eq!(history.largest, Extreme { value: -9.0, at: 501.0 });
     }
 
     #[test]

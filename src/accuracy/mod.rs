@@ -1,6 +1,7 @@
 //! Differences between runs: responses of a bar, the error of one against another, and Richardson extrapolation.
 
 mod front_errors;
+mod joint_forces;
 mod listen;
 mod respond;
 mod response;

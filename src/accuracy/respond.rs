@@ -1,9 +1,10 @@
 //! Simulation of a bar for its response only, without recorders.
 
+use super::joint_forces::joint_places;
 use super::listen::{FrontListener, GridListener};
 use super::response::Response;
 use crate::bar::Bar;
-use crate::record::{StepGauges, Stepped, Traces};
+use crate::record::{JointRows, StepGauges, Stepped, Traces};
 use crate::simulate::{Interval, Simulation, Solver, simulate};
 use crate::solver::fd::Sampling;
 use crate::solver::moc::{FrontSegment, FrontTracking, Stopped};
@@ -15,6 +16,8 @@ pub struct Course<'a> {
     pub instants: &'a [f64],
     /// Places of the gauges, m.
     pub gauges: &'a [f64],
+    /// Joints whose forces count: the segments on their left.
+    pub joints: &'a [usize],
     /// Time up to which the bar is simulated at least, s.
     pub until: f64,
     /// Work between two pauses: cell-steps, or events.
@@ -113,22 +116,25 @@ impl<S: Respond, E, P: FnMut(&S, S::Mark) -> Result<(), E>> Simulation for Respo
 pub struct OnGrid {
     /// None where nothing is read.
     listener: Option<GridListener>,
+    joints: JointRows,
     steps: usize,
 }
 
 impl<S: Stepped> Listen<S> for OnGrid {
     fn start(scene: &Bar, bar: &mut S, course: Course<'_>) -> (Self, Option<Traces>) {
         let steps = bar.grid().steps_to(course.until);
+        let joints = JointRows::new(scene, bar.grid(), course.joints);
         if course.instants.is_empty() {
-            return (Self { listener: None, steps }, None);
+            return (Self { listener: None, joints, steps }, None);
         }
-        let mut traces = Traces::new(Sampling::at(bar.grid(), course.gauges.to_vec()), false, bar.sudden_loads().ends);
-        let mut listener = GridListener::new(scene, bar, course.instants, course.gauges.len());
+        let places = course.gauges.iter().copied().chain(joints.places()).collect();
+        let mut traces = Traces::new(Sampling::at(bar.grid(), places), false, bar.sudden_loads().ends);
+        let mut listener = GridListener::new(scene, bar, course.instants, course.gauges.len(), course.joints);
         bar.watch(&traces);
         bar.add_to(&mut traces);
         listener.look(bar);
         let steps = steps.max(listener.last());
-        (Self { listener: Some(listener), steps }, Some(traces))
+        (Self { listener: Some(listener), joints, steps }, Some(traces))
     }
 
     fn next(&self, bar: &S) -> Option<usize> {
@@ -148,8 +154,9 @@ impl<S: Stepped> Listen<S> for OnGrid {
             traces.close();
         }
         if traces.is_full() || last {
-            let (gauges, ends) = traces.take();
-            listener.hear(&gauges, &ends);
+            let (mut gauges, ends) = traces.take();
+            self.joints.join(&mut gauges);
+            listener.hear(&gauges, &ends, bar.ruptures());
         }
     }
 
@@ -158,7 +165,7 @@ impl<S: Stepped> Listen<S> for OnGrid {
     }
 }
 
-/// By front tracking; gauges need its front segments, see [`crate::solver::moc::Settings::front_segments`].
+/// By front tracking; gauges and joints need its front segments, see [`crate::solver::moc::Settings::front_segments`].
 #[derive(Debug)]
 pub struct OfFronts {
     /// None where nothing is read.
@@ -176,9 +183,11 @@ impl Listen<FrontTracking> for OfFronts {
         if due.first() != Some(&until) {
             due.insert(0, until);
         }
-        let listener = (!course.instants.is_empty()).then(|| FrontListener::new(scene, course.gauges.len()));
-        let front_segments = (listener.is_some() && !course.gauges.is_empty()).then(Vec::new);
-        (Self { listener, gauges: StepGauges::new(scene, course.gauges, until), due, until }, front_segments)
+        let listener =
+            (!course.instants.is_empty()).then(|| FrontListener::new(scene, course.gauges.len(), course.joints));
+        let places = [course.gauges, &joint_places(scene, course.joints)].concat();
+        let front_segments = (listener.is_some() && !places.is_empty()).then(Vec::new);
+        (Self { listener, gauges: StepGauges::new(scene, &places, until), due, until }, front_segments)
     }
 
     fn next(&self, _: &FrontTracking) -> Option<f64> {
@@ -195,7 +204,7 @@ impl Listen<FrontTracking> for OfFronts {
         if let Some(front_segments) = log {
             self.gauges.collect(bar, front_segments);
             front_segments.clear();
-            listener.hear(&self.gauges.take());
+            listener.hear(&self.gauges.take(), bar.ruptures());
         }
         if passed.is_some() {
             listener.look(bar);
@@ -205,7 +214,7 @@ impl Listen<FrontTracking> for OfFronts {
     fn response(mut self, bar: &FrontTracking) -> Response {
         let Some(mut listener) = self.listener else { return Response::default() };
         self.gauges.close(bar, &[]);
-        listener.hear(&self.gauges.take());
+        listener.hear(&self.gauges.take(), bar.ruptures());
         listener.response(bar)
     }
 }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Shape;
+use super::joint_forces::{JointForces, Peak};
 use crate::record::{ErrorTable, Measure};
 
 /// Part of the bar, or of the time, that a signal counts for at least, as if it had its largest value there.
@@ -13,6 +14,9 @@ const ROUNDING_STRAIN: f64 = 1e-12;
 
 /// Part of the mean over time that the stress at the end time counts for at least: what is left in a bar that rang down is no measure.
 const OF_MEAN: f64 = 0.1;
+
+/// Part of the largest force in the bar below which a peak force is negligible.
+const NO_PEAK: f64 = 1e-3;
 
 /// Instants that are compared at least, where memory allows.
 pub const INSTANTS: usize = 32;
@@ -28,8 +32,12 @@ pub struct Response {
     pub ends: Vec<Shape>,
     /// Stress at the gauges over time, Pa.
     pub gauges: Vec<Shape>,
-    /// Largest magnitude of the stress at either end, Pa.
-    pub peak: f64,
+    /// Of the left and the right end and of the joints.
+    pub peaks: Vec<Peak>,
+    /// Sections of the ends, m^2.
+    pub sections: [f64; 2],
+    /// The least section of the bar, m^2.
+    pub least_section: f64,
     /// Lengths of the segments from left to right, m.
     pub lengths: Vec<f64>,
     /// Largest Young's modulus, Pa.
@@ -40,6 +48,8 @@ pub struct Response {
 struct Scale {
     /// Largest magnitude of stress anywhere, Pa.
     stress: f64,
+    /// Largest force anywhere, at least, N.
+    force: f64,
     /// Integral of |stress| over the bar, mean over time, Pa m.
     field: f64,
     /// Largest strain, at least.
@@ -100,8 +110,33 @@ impl Response {
                 let (own, other, by) = (self.plastic.as_ref()?, other.plastic.as_ref()?, relative_to.plastic.as_ref()?);
                 Some(over((own.apart(other).0, by.apart(by).1), FLOOR * scale.strain * scale.flowing))
             }
-            Measure::PeakForce => Some(over(((self.peak - other.peak).abs(), relative_to.peak), FLOOR * scale.stress)),
+            Measure::PeakForce => self.peaks_apart(other, relative_to, NO_PEAK * scale.force),
         })
+    }
+
+    /// The largest difference of a peak force, each relative to its own, of those above `least` (N). None where those without a limit are all
+    /// that there are.
+    fn peaks_apart(&self, other: &Self, relative_to: &Self, least: f64) -> Option<f64> {
+        let peaks = self.peaks.iter().zip(&other.peaks).zip(&relative_to.peaks);
+        let (mut largest, mut unlimited) = (None, false);
+        for ((own, other), by) in peaks.filter(|((own, other), _)| own.force.max(other.force) > least) {
+            if own.has_no_limit || other.has_no_limit {
+                unlimited = true;
+            } else {
+                let relative = (own.force - other.force).abs() / by.force.max(least);
+                largest = Some(largest.map_or(relative, |largest: f64| largest.max(relative)));
+            }
+        }
+        largest.or((!unlimited).then_some(0.0))
+    }
+
+    /// With the peaks of the ends, for a section of 1 m^2, and of the joints.
+    #[must_use]
+    pub(super) fn with_peaks(mut self, ends: [Peak; 2], joints: &JointForces) -> Self {
+        let ends = ends.into_iter().zip(self.sections);
+        let ends = ends.map(|(peak, section)| Peak { force: peak.force * section, ..peak });
+        self.peaks = ends.chain(joints.peaks()).collect();
+        self
     }
 
     /// The field nearest in time.
@@ -126,11 +161,12 @@ impl Response {
     fn scale(&self) -> Scale {
         let field: f64 = self.fields.iter().map(|(_, shape)| shape.apart(shape).1).sum();
         let peaks = self.fields.iter().map(|(_, shape)| shape).chain(&self.ends).chain(&self.gauges);
-        let stress = peaks.map(Shape::largest).fold(self.peak, f64::max).max(ROUNDING_STRAIN * self.modulus);
+        let stress = peaks.map(Shape::largest).fold(ROUNDING_STRAIN * self.modulus, f64::max);
         let plastic = self.plastic.as_ref().map_or(0.0, Shape::largest);
         let length = self.lengths.iter().sum();
         Scale {
             stress,
+            force: self.peaks.iter().map(|peak| peak.force).fold(stress * self.least_section, f64::max),
             field: field / (self.fields.len() as f64).max(1.0),
             strain: plastic.max(stress / self.modulus),
             duration: self.time(),
@@ -176,7 +212,9 @@ mod tests {
             plastic: Some(Shape::Steps { edges: vec![], values: vec![0.0], ends: [0.0, 1.0] }),
             ends: vec![Shape::Steps { edges: vec![], values: vec![level], ends: [0.0, 1.0] }; 2],
             gauges: vec![],
-            peak: level,
+            peaks: vec![Peak { force: level, has_no_limit: false }; 2],
+            sections: [1.0; 2],
+            least_section: 1.0,
             lengths: vec![1.0],
             modulus: 1e3,
         }
@@ -191,6 +229,23 @@ mod tests {
         assert_eq!(errors[Measure::Gauges], None);
         let errors = response(0.6, 2.2).errors(&response(0.6, 2.0));
         assert!((errors[Measure::PeakForce].expect("measured") - 0.1).abs() < 1e-12, "{errors:?}");
+    }
+
+    #[test]
+    fn every_peak_force_counts_unless_it_is_negligible_or_has_no_limit() {
+        let with = |forces: [f64; 3], has_no_limit: bool| {
+            let peaks = forces.map(|force| Peak { force, has_no_limit: has_no_limit && force > 1.0 });
+            Response { peaks: peaks.to_vec(), ..response(0.5, 2.0) }
+        };
+        let error = |own, reference, unlimited| {
+            with(own, unlimited).errors(&with(reference, unlimited))[Measure::PeakForce].map(|e| (e * 1e6).round())
+        };
+        // A joint between free ends, the smaller of two ends, and one of no account.
+        assert_eq!(error([0.0, 0.0, 10.1], [0.0, 0.0, 10.0], false), Some(1e4));
+        assert_eq!(error([10.0, 5.1, 0.0], [10.0, 5.0, 0.0], false), Some(2e4));
+        assert_eq!(error([10.0, 5.0, 0.009], [10.0, 5.0, 0.003], false), Some(0.0));
+        assert_eq!(error([12.0, 0.51, 0.0], [10.0, 0.5, 0.0], true), Some(2e4));
+        assert_eq!(error([12.0, 0.0, 0.0], [10.0, 0.0, 0.0], true), None);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The response of a bar with a single fan: the self-similar solution.
 
-use super::listen::empty;
+use super::joint_forces::JointForces;
+use super::listen::{empty, peak_of};
 use super::response::Response;
 use super::shape::Shape;
 use crate::bar::{Bar, InitialFan};
@@ -10,15 +11,16 @@ pub fn similar_response(bar: &Bar, initial_fan: &InitialFan, times: &[f64], gaug
     let (length, modulus) = (bar.length(), bar.segments[initial_fan.segment].material.modulus);
     let until = times.last().copied().unwrap_or(0.0);
     let ends = [0.0, length].map(|x| similar_history(initial_fan, x, until));
+    let peaks = ends.each_ref().map(|end| peak_of(Some(end)));
     Response {
         fields: times.iter().map(|&time| (time, similar_profile(initial_fan, length, time))).collect(),
         plastic: Some(profile(initial_fan, length, until, |strain, stress| strain - stress / modulus)),
-        peak: ends.iter().map(Shape::largest).fold(0.0, f64::max),
         ends: ends.into(),
         gauges: gauges.iter().map(|&x| similar_history(initial_fan, x, until)).collect(),
         modulus,
         ..empty(bar)
     }
+    .with_peaks(peaks, &JointForces::new(bar, &[]))
 }
 
 /// Stress over the bar at a time.

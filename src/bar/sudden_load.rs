@@ -75,6 +75,11 @@ impl SuddenLoad {
         fades.then_some(Self { fading: Some(fading), ..self })
     }
 
+    /// A peak at `time` (s) is that of this load and has no limit: the shorter the time step, the larger it is.
+    pub fn has_no_limit_at(&self, time: f64) -> bool {
+        self.fading.is_some() && self.weight(time).is_some()
+    }
+
     /// It is as in a bar that takes no time to flow.
     pub(super) fn hardly_fades(&self) -> bool {
         self.fading.is_none_or(|fading| (fading.ratio - 1.0).abs() < NO_FADING)

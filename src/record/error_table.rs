@@ -4,11 +4,11 @@ use std::fmt;
 use std::ops::Index;
 
 use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// What an error is of. Each is the integral of |difference from the reference| over that of |reference|. Where the reference is nearly
 /// zero nearly everywhere, its integral counts as if a hundredth of the bar or of the time had its largest value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Measure {
     /// Stress over the bar and over time.
     Field,
@@ -20,7 +20,8 @@ pub enum Measure {
     Gauges,
     /// Plastic strain over the bar at the end time.
     ResidualStrain,
-    /// Largest magnitude of the stress at either end.
+    /// Largest magnitude of the force at an end or a joint, relative to its own: the largest error of all of them that are not negligible beside
+    /// the largest force in the bar.
     PeakForce,
 }
 
@@ -49,7 +50,7 @@ impl Measure {
             Self::Ends => "relative L1 of the stress at the ends over time",
             Self::Gauges => "relative L1 of the stress at the worst gauge over time",
             Self::ResidualStrain => "relative L1 of plastic strain over the bar at the end time",
-            Self::PeakForce => "relative error of the largest stress at an end",
+            Self::PeakForce => "relative error of the peak force of an end or a joint",
         }
     }
 
@@ -57,6 +58,24 @@ impl Measure {
     pub fn of_key(key: &str) -> Option<Self> {
         let key = key.replace('-', "_");
         Self::ALL.into_iter().find(|measure| measure.key() == key)
+    }
+}
+
+/// The largest error of a run, and the largest of all others.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Worst {
+    /// What it is of.
+    pub measure: Measure,
+    /// How large it is.
+    pub error: f64,
+    /// The largest of all others.
+    pub others: f64,
+}
+
+impl fmt::Display for Worst {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { measure, error, others } = self;
+        write!(f, "{} {error:.1e}, all others up to {others:.1e}", measure.key().replace('_', " "))
     }
 }
 
@@ -74,6 +93,13 @@ impl ErrorTable {
     pub fn largest(&self) -> Option<(Measure, f64)> {
         let known = Measure::ALL.into_iter().filter_map(|measure| Some((measure, self[measure]?)));
         known.reduce(|a, b| if b.1 > a.1 || b.1.is_nan() { b } else { a })
+    }
+
+    /// The largest entry and the largest of all others; none where there are not as many.
+    pub fn worst(&self) -> Option<Worst> {
+        let (measure, error) = self.largest()?;
+        let others = Self::of(|other| self[other].filter(|_| other != measure));
+        Some(Worst { measure, error, others: others.largest()?.1 })
     }
 
     /// The entries that there are.
@@ -122,7 +148,11 @@ mod tests {
             _ => Some(0.1),
         });
         assert_eq!(table.largest(), Some((Measure::Ends, 0.2)));
-        assert_eq!(ErrorTable::default().largest(), None);
+        assert_eq!(
+            table.worst().map(|worst| worst.to_string()).as_deref(),
+            Some("ends 2.0e-1, all others up to 1.0e-1")
+        );
+        assert_eq!((ErrorTable::default().largest(), ErrorTable::default().worst()), (None, None));
         let json = serde_json::to_value(table).expect("a map");
         assert!(json["gauges"].is_null() && json["peak_force"] == 0.1);
     }

@@ -9,6 +9,7 @@ mod frames;
 mod fronts;
 mod grid_view;
 mod impact;
+mod joint_rows;
 mod ledger;
 mod length;
 mod step_gauges;
@@ -33,7 +34,7 @@ pub use audit::{
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress};
 pub use end_rows::EndRows;
-pub use error_table::{ErrorTable, Measure};
+pub use error_table::{ErrorTable, Measure, Worst};
 pub use figures::{
     Extreme, Figure, Figures, Group, Profile, Records, ResidualProfile, SegmentEnd, Tally, definitions, dimension_of,
     without_unit,
@@ -41,6 +42,7 @@ pub use figures::{
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
 pub use impact::ImpactSummary;
+pub use joint_rows::JointRows;
 pub use ledger::Ledger;
 pub use length::LengthSummary;
 pub use step_gauges::StepGauges;

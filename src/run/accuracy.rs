@@ -30,6 +30,10 @@ const WORK_BETWEEN_CALLS: u64 = 4_000_000;
 /// The reference of bars through which one fan runs.
 pub(super) const SIMILAR: &str = "self-similar solution";
 
+/// Why a peak has no error.
+const NO_LIMIT: &str = "; the peak force of a sudden load of a rate-dependent bar is not compared: it rises with the logarithm of 1/dt, without \
+                        a limit";
+
 /// What a run on a grid gave, without recorders.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Coarse {
@@ -89,8 +93,9 @@ impl assemble::Task for Task<'_> {
 
     fn on_grid(self, mut bar: impl Stepped + Snapshot) -> Option<Coarse> {
         let cells = bar.grid().cells();
-        let gauges = self.scene.record.gauge_places();
-        let course = Course { instants: self.instants, gauges: &gauges, until: 0.0, work: WORK_BETWEEN_CALLS };
+        let (gauges, joints) = (self.scene.record.gauge_places(), self.scene.joints());
+        let (instants, work) = (self.instants, WORK_BETWEEN_CALLS);
+        let course = Course { instants, gauges: &gauges, joints: &joints, until: 0.0, work };
         let found = respond(&self.scene.bar, &mut bar, course, |bar, steps| {
             let flow = (self.progress)(Progress::Steps { step: bar.step(), steps, cells });
             if flow.is_break() { Err(()) } else { Ok(()) }
@@ -140,8 +145,9 @@ pub(super) fn error_figure(
         [others @ .., last] => format!("{} and {last}", others.join(", ")),
         [] => String::new(),
     };
+    let fading = if fine.peaks.iter().any(|peak| peak.has_no_limit) { NO_LIMIT } else { "" };
     let reference = format!(
-        "runs with {cells} cells: Richardson's extrapolation with the order {:.2} {how}, times {safety}: an estimate",
+        "runs with {cells} cells: Richardson's extrapolation with the order {:.2} {how}, times {safety}: an estimate{fading}",
         found.order
     );
     Ok(Some(figure(table, reference)))

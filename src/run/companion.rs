@@ -39,9 +39,10 @@ pub(super) fn tracked(
     instants: &[f64],
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<(FrontTracking, Response)>> {
-    let gauges = scene.record.gauge_places();
-    let mut bar = assemble::front_tracking(scene, Settings { front_segments: !gauges.is_empty(), ..settings });
-    let course = Course { instants, gauges: &gauges, until: 0.0, work: BURST };
+    let (gauges, joints) = (scene.record.gauge_places(), scene.joints());
+    let front_segments = !gauges.is_empty() || !joints.is_empty();
+    let mut bar = assemble::front_tracking(scene, Settings { front_segments, ..settings });
+    let course = Course { instants, gauges: &gauges, joints: &joints, until: 0.0, work: BURST };
     let found = respond(&scene.bar, &mut bar, course, |bar, until| {
         let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
         if progress(at).is_break() { Err(Error::Interrupted) } else { Ok(()) }

@@ -11,7 +11,6 @@ mod companion;
 mod estimate;
 mod geometry;
 mod impact;
-mod joint_rows;
 mod limits;
 mod output;
 mod resume;
@@ -567,9 +566,7 @@ fn joint_places(scene: &Scene) -> impl Iterator<Item = f64> {
 
 /// What is simulated to the left and the right of the joints: their segments, or the pieces of these at the joint.
 fn beside_joints(scene: &Scene) -> impl Iterator<Item = [&Segment; 2]> {
-    let pairs = scene.bar.segments.windows(2).enumerate();
-    let is_joint = |k: usize| scene.original_segment(k) != scene.original_segment(k + 1);
-    pairs.filter(move |(k, _)| is_joint(*k)).map(|(_, pair)| [&pair[0], &pair[1]])
+    scene.joints().into_iter().map(|k| [&scene.bar.segments[k], &scene.bar.segments[k + 1]])
 }
 
 /// The force with which joint `k` broke, N, and when; 0 if it holds.

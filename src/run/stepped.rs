@@ -6,7 +6,6 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use super::accuracy;
-use super::joint_rows::JointRows;
 use super::limits::AtLimit;
 use super::{Progress, RunRecorder, RunResults, Task, flow_both_ways, twisted};
 use crate::accuracy::GridListener;
@@ -15,8 +14,8 @@ use crate::bar::Segment;
 use crate::error::{Error, Result, RunError};
 use crate::law::rupture::Site;
 use crate::record::{
-    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Frames, FrontTracker, Ledger,
-    LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
+    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Frames, FrontTracker, JointRows,
+    Ledger, LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
 };
 use crate::scene::Rate;
 use crate::simulate::{Interval, Simulation, simulate};
@@ -134,7 +133,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         };
         let twisted = twisted(scene, sampling.x());
         let frames = Frames::new(scene.record.times.clone(), scene.record.fields.clone(), sampling).twisted(twisted);
-        let joints = JointRows::new(&scene.bar, bar.grid(), super::joint_places(scene));
+        let joints = JointRows::new(&scene.bar, bar.grid(), &scene.joints());
         let places = scene.record.gauge_places().into_iter().chain(joints.places()).collect();
         let mut recorder = RunRecorder::open(scene, target, frames.x().to_vec(), "", started)?;
         let sudden = bar.sudden_loads();
@@ -153,7 +152,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let steps = bar.grid().steps_to(scene.solve.until);
         let listener = scene.solve.estimate_error.then(|| {
             let instants = accuracy::common_instants(steps, bar.grid().dt);
-            GridListener::new(&scene.bar, &bar, &instants, scene.record.gauges.len())
+            GridListener::new(&scene.bar, &bar, &instants, scene.record.gauges.len(), &scene.joints())
         });
         Ok(Self {
             progress,
@@ -265,7 +264,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let (mut gauges, ends) = self.traces.take();
         self.joints.join(&mut gauges);
         if let Some(listener) = &mut self.listener {
-            listener.hear(&gauges, &ends);
+            listener.hear(&gauges, &ends, self.bar.ruptures());
         }
         self.recorder.write_traces(gauges, ends, self.bar.ruptures())
     }

@@ -152,7 +152,7 @@ impl<'a> Run<'a> {
             pauses: pauses(scene, elastic_check.as_ref(), audit.is_some()),
             gauges: StepGauges::new(&scene.bar, &places, scene.solve.until),
             ends: EndHistories::default(),
-            listener: FrontListener::new(&scene.bar, scene.record.gauges.len()),
+            listener: FrontListener::new(&scene.bar, scene.record.gauges.len(), &scene.joints()),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
             ledger: recorder.ledger(&bar),
@@ -212,7 +212,7 @@ impl<'a> Run<'a> {
 
     fn write_traces(&mut self) -> Result<()> {
         let mut gauges = self.gauges.take();
-        self.listener.hear(&gauges);
+        self.listener.hear(&gauges, self.bar.ruptures());
         to_the_left_of_joints(self.recorder.scene, &mut gauges);
         let ends = self.ends.take(&self.bar);
         self.recorder.write_traces(gauges, ends, self.bar.ruptures())

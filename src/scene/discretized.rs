@@ -120,6 +120,12 @@ impl Scene {
         }
     }
 
+    /// The segments on the left of the joints of the original scene.
+    pub fn joints(&self) -> Vec<usize> {
+        let is_joint = |&k: &usize| self.original_segment(k) != self.original_segment(k + 1);
+        (0..self.bar.segments.len() - 1).filter(is_joint).collect()
+    }
+
     /// The place in the scene that was asked for: a joint between two pieces is inside their segment.
     pub fn original_site(&self, site: Site) -> Site {
         match (&self.discretized, site) {

@@ -97,7 +97,7 @@ impl Case {
 
     /// What is compared of a run: its end.
     fn response(&self, run: &FrontTracking) -> Response {
-        let mut listener = FrontListener::new(&self.bar, 0);
+        let mut listener = FrontListener::new(&self.bar, 0, &[]);
         listener.look(run);
         listener.response(run)
     }

@@ -115,7 +115,7 @@ fn response(text: &str, tolerance: f64) -> Response {
     let scene = scene(text, tolerance);
     let mut bar = assemble::front_tracking(&scene, Settings { front_tolerance: tolerance, ..Settings::default() });
     let instants = [0.5, 1.0].map(|share| share * scene.solve.until);
-    let course = Course { instants: &instants, gauges: &[], until: 0.0, work: u64::MAX };
+    let course = Course { instants: &instants, gauges: &[], joints: &[], until: 0.0, work: u64::MAX };
     respond(&scene.bar, &mut bar, course, |_, _| Ok::<_, Infallible>(())).expect("it comes to its end").0
 }
 

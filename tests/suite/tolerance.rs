@@ -151,6 +151,48 @@ fn the_peak_force_of_a_striker_is_within_the_tolerance() {
     }
 }
 
+/// A bar of steel with hardening.
+const STEEL: &str = r#"
+[bar]
+length = "0.5 m"
+area = "1 cm^2"
+material = { density = 7800, modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.021, "300 MPa"], [0.1, "400 MPa"]] }, HEAT }
+"#;
+
+/// A bar with these lines, and these of its material.
+fn steel(heat: &str, more: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = format!("{}{more}", STEEL.replace(", HEAT", heat));
+    std::fs::write(folder.path().join("scene.toml"), text).expect("a file");
+    folder
+}
+
+/// The stress of a wall that a rate-dependent bar hits rises with the logarithm of 1/dt: no method came below 1.7e-2.
+#[test]
+fn a_peak_force_without_a_limit_does_not_count() {
+    let folder = steel(
+        r#", heat = { specific-heat = "450 J/(kg*K)", reference-temperature = "300 K", melting-temperature = "1500 K", m = 1 }"#,
+        r#"velocity = "20 m/s"
+[left]
+kind = "free"
+[right]
+kind = "wall"
+[effects]
+rate = { model = "johnson-cook", C = 0.02, reference = "1 1/s" }
+[solve]
+until = "250 us"
+tolerance = 1e-2
+"#,
+    );
+    let plan = json(&barwave(folder.path(), &["plan", "scene.toml", "--json"]));
+    let summary = json(&barwave(folder.path(), &["run", "scene.toml", "--json"]));
+    assert_eq!(plan["scheme"], summary["scheme"]);
+    assert!(summary["errors"]["peak_force"].is_null(), "{}", summary["errors"]);
+    let error = &summary["error"];
+    assert!(error["value"].as_f64().is_some_and(|error| error <= 1e-2), "{error}");
+    assert!(error["reference"].as_str().is_some_and(|text| text.contains("is not compared")), "{error}");
+}
+
 /// Waves reach the ends with a jump ten times, at times that are steps of every grid, and the struck end meets its striker again
 /// between two steps of all of them.
 #[test]

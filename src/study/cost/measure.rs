@@ -176,7 +176,8 @@ impl assemble::Task for Task<'_, '_> {
 
     /// That the bar is laid out, with its first Riemann problems, is part of the time.
     fn by_fronts(self, settings: Settings) -> Result<Pass, Halt> {
-        let listens = !self.wanted.instants.is_empty() && !self.scene.record.gauges.is_empty();
+        let read = !self.scene.record.gauges.is_empty() || !self.scene.joints().is_empty();
+        let listens = read && !self.wanted.instants.is_empty();
         let settings = Settings { front_segments: listens, ..self.wanted.settings.unwrap_or(settings) };
         let before = Instant::now();
         let mut bar = assemble::front_tracking(self.scene, settings);
@@ -191,8 +192,9 @@ impl Task<'_, '_> {
     /// The response of a bar, and the time spent in the solver, s.
     fn respond<S: Respond>(self, bar: &mut S, work: u64) -> Result<(Response, f64), Halt> {
         let Self { scene, wanted, watch } = self;
-        let gauges = scene.record.gauge_places();
-        let course = Course { instants: wanted.instants, gauges: &gauges, until: scene.solve.until, work };
+        let (gauges, joints) = (scene.record.gauge_places(), scene.joints());
+        let (instants, until) = (wanted.instants, scene.solve.until);
+        let course = Course { instants, gauges: &gauges, joints: &joints, until, work };
         respond(&scene.bar, bar, course, |_, _| watch.look()).map_err(|ended| match ended {
             Ended::Stopped(why) => Halt::Failed(why.to_string()),
             Ended::Asked(halt) => halt,

@@ -36,7 +36,7 @@ pub use discretized::{MOST_PIECES, TaperDiscretization};
 pub use effects::{Effects, HardeningRule, Heat, Rate, Rupture};
 pub use impacts::{ImpactScene, KINDS, Kind};
 use overrides::Overrides;
-pub use raw::RawScene;
+pub use raw::{MOST_EVENTS, RawScene};
 
 /// The problem of a scene file.
 #[derive(Debug, Clone)]

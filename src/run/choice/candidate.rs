@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::super::accuracy::Coarse;
-use crate::scene::{Method, Rate, Scene};
+use crate::record::Worst;
+use crate::scene::{MOST_EVENTS, Method, Rate, Scene};
 use crate::solver::moc::COMPANION_RATIO;
 
 /// Cells of the first pilot on a grid, with companions of a half, a quarter and an eighth.
@@ -28,6 +29,9 @@ const LOWEST_ORDER: f64 = 0.3;
 
 /// A grid whose error falls to no less than this part, with so many times the cells, has a part that no grid cures.
 const STUCK: (f64, f64) = (0.8, 16.0);
+
+/// Events that a pilot may take before anything is known of other methods.
+pub(super) const UNRIVALLED_EVENTS: u64 = 10_000_000;
 
 /// Order in the front tolerance that is assumed until two pilots tell, and those that are believed.
 pub(super) const FRONT_ORDER: f64 = 1.0;
@@ -85,12 +89,21 @@ pub(super) struct Candidate {
 pub(super) struct Pilot {
     pub method: Method,
     pub estimate: f64,
+    /// Where it is off most.
+    pub worst: Option<Worst>,
     pub order: f64,
     pub work: u64,
 }
 
 impl Candidate {
     pub fn new(method: Method) -> Self {
+        // Its expected time limits it.
+        let method = match method {
+            Method::FrontTracking { front_tolerance, .. } => {
+                Method::FrontTracking { front_tolerance, event_budget: MOST_EVENTS as u64 }
+            }
+            grid => grid,
+        };
         Self { method, pilots: Vec::new(), runs: Vec::new(), out: None, too_expensive: None, missed: false }
     }
 
@@ -203,7 +216,7 @@ mod tests {
         let mut candidate = Candidate::new(method);
         for &(estimate, work) in pilots {
             let method = candidate.next();
-            candidate.pilots.push(Pilot { method, estimate, order: 1.0, work });
+            candidate.pilots.push(Pilot { method, estimate, worst: None, order: 1.0, work });
         }
         candidate
     }
@@ -215,7 +228,8 @@ mod tests {
         assert_eq!(candidate(grid, &[(0.1, 1), (0.1, 1)]).next().cells(), Some(512));
         let fronts = Method::FrontTracking { front_tolerance: 1e-3, event_budget: 9 };
         let next = candidate(fronts, &[(0.1, 1)]).next();
-        assert!(matches!(next, Method::FrontTracking { front_tolerance, event_budget: 9 }
+        // The expected time decides, not the default of `max-events`.
+        assert!(matches!(next, Method::FrontTracking { front_tolerance, event_budget: 400_000_000 }
             if (front_tolerance - 0.1 / 3.0).abs() < 1e-15));
     }
 
@@ -239,7 +253,7 @@ mod tests {
             let mut candidate = Candidate::new(method);
             for &estimate in estimates {
                 let method = candidate.next();
-                candidate.add(Pilot { method, estimate, order: 1.0, work: 1 }, 1e-2);
+                candidate.add(Pilot { method, estimate, worst: None, order: 1.0, work: 1 }, 1e-2);
             }
             candidate.out
         };

@@ -105,7 +105,8 @@ impl Attempt {
         let estimate = summary.error.as_ref().map(|e| e.value);
         let order = candidates[winner].pilots.last().map_or(1.0, |p| p.order);
         // Without an estimate the bar came to an end of its own, such as a rupture that no companion follows.
-        let done = Pilot { method, estimate: estimate.unwrap_or(f64::NAN), order, work };
+        let worst = summary.errors.and_then(|table| table.worst());
+        let done = Pilot { method, estimate: estimate.unwrap_or(f64::NAN), worst, order, work };
         let missed = done.estimate > tolerance;
         let stands = estimate.is_none() || !missed && confirmed(scene, candidates, winner, done, progress)?;
         if stands {
@@ -254,12 +255,14 @@ fn why(scene: &Scene, tolerance: f64, candidates: &[Candidate], winner: usize) -
 }
 
 fn not_reached(scene: &Scene, tolerance: f64, candidates: &[Candidate]) -> Error {
-    let best = tried(candidates).iter().filter_map(|t| t.estimate).fold(f64::INFINITY, f64::min);
+    let pilots = candidates.iter().flat_map(|r| &r.pilots).filter(|p| p.estimate.is_finite());
+    let best = pilots.min_by(|a, b| a.estimate.total_cmp(&b.estimate));
+    let best = best.map_or_else(String::new, |pilot| match pilot.worst {
+        Some(worst) => format!(": the best estimate was {worst}"),
+        None => format!(": the best estimate was {:.1e}", pilot.estimate),
+    });
     let whys = candidates.iter().filter_map(|r| Some(format!("; {}: {}", r.method.names()[1], r.out.as_ref()?)));
-    let reason = format!(
-        "no method reached the tolerance {tolerance:e}: the best estimate was {best:.1e}{}",
-        whys.collect::<String>()
-    );
+    let reason = format!("no method reached the tolerance {tolerance:e}{best}{}", whys.collect::<String>());
     let help =
         "increase `tolerance`, or set a method and its resolution in [solve]; `barwave cost` shows the error of each";
     RunError { reason, time: scene.solve.until, x: None, help: help.into() }.into()

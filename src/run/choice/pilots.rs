@@ -4,11 +4,12 @@ use super::super::accuracy::{self, Coarse};
 use super::super::{Progress, companion};
 use super::candidate::{
     Candidate, FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MOST_CELLS, PATIENCE, Pilot,
-    nominal,
+    UNRIVALLED_EVENTS, nominal,
 };
 use crate::accuracy::{INSTANTS, Response, evenly, extrapolate};
 use crate::bar::initial_fans;
 use crate::error::{Error, Result};
+use crate::record::ErrorTable;
 use crate::scene::{Method, Scene};
 use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 use std::ops::ControlFlow;
@@ -40,8 +41,9 @@ pub(super) fn grid_pilot(
     let all: Vec<&Coarse> = [cells, cells / 2, cells / 4, cells / 8].into_iter().filter_map(with).collect();
     let responses: Vec<&Response> = all.iter().map(|run| &run.response).collect();
     let (elastic, work) = all.first().map_or((true, 0), |finest| (finest.elastic, finest.work));
-    let (_, found) = extrapolate(accuracy::rules(scene, method, elastic), &responses);
-    candidate.add(Pilot { method, estimate: found.value, order: found.hope, work }, tolerance);
+    let (table, found) = extrapolate(accuracy::rules(scene, method, elastic), &responses);
+    let worst = table.worst();
+    candidate.add(Pilot { method, estimate: found.value, worst, order: found.hope, work }, tolerance);
     Ok(())
 }
 
@@ -75,10 +77,15 @@ pub(super) fn front_pilot(
         candidate.out = Some(why);
         return Ok(());
     }
-    let most = (PATIENCE * rival / nominal(scene, method)).max(4.0 * FEW_EVENTS as f64).min(event_budget as f64) as u64;
+    let worth = match rival.is_finite() {
+        true => PATIENCE * rival / nominal(scene, method),
+        false if candidate.pilots.is_empty() => UNRIVALLED_EVENTS as f64,
+        false => event_budget as f64,
+    };
+    let most = worth.max(4.0 * FEW_EVENTS as f64).min(event_budget as f64) as u64;
     let settings = Settings { front_tolerance, event_budget: most, ..Settings::default() };
     // What would be worth more to nobody is out; else it may come to that yet.
-    let limited = most < event_budget;
+    let limited = rival.is_finite() && most < event_budget;
     candidate.too_expensive = None;
     let instants = companion::instants(scene.solve.until);
     let Some((bar, response)) = companion::tracked(scene, settings, &instants, progress)? else {
@@ -87,17 +94,18 @@ pub(super) fn front_pilot(
         (candidate.too_expensive, candidate.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
-    let Some(estimate) = front_estimate(scene, settings, (&bar, &response), progress)? else {
+    let Some(table) = front_estimate(scene, settings, (&bar, &response), progress)? else {
         let coarser = COMPANION_RATIO * front_tolerance;
         let why = || format!("a run with a front tolerance of {coarser:.1e} has more front interactions");
         (candidate.too_expensive, candidate.out) = (limited.then_some(most), (!limited).then(why));
         return Ok(());
     };
+    let (estimate, worst) = (table.largest().map_or(0.0, |largest| largest.1), table.worst());
     let before = candidate.pilots.last().map(|p| p.estimate);
     let order = before.map_or(FRONT_ORDER, |before| {
         ((before / estimate).ln() / COMPANION_RATIO.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
     });
-    candidate.pilots.push(Pilot { method, estimate, order, work: bar.events() });
+    candidate.pilots.push(Pilot { method, estimate, worst, order, work: bar.events() });
     Ok(())
 }
 
@@ -148,9 +156,9 @@ fn front_estimate(
     settings: Settings,
     (bar, response): (&FrontTracking, &Response),
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-) -> Result<Option<f64>> {
+) -> Result<Option<ErrorTable>> {
     if bar.is_exact() {
-        return Ok(Some(0.0));
+        return Ok(Some(ErrorTable::of(|_| Some(0.0))));
     }
     let all = initial_fans(&scene.bar, &scene.left, &scene.right);
     let similar = || accuracy::similar(scene, &all, response);
@@ -161,5 +169,5 @@ fn front_estimate(
         let Some(companions) = companions else { return Ok(None) };
         companions.errors(bar, response)
     };
-    Ok(table.largest().map(|largest| largest.1))
+    Ok(Some(table))
 }

@@ -20,6 +20,7 @@ pub(super) use body::{BodyKeys, raw_body};
 pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawHardening, RawRupture};
 pub(super) use ends::{Ball, BallOnLever, EndKind, RawEnd, RawHistory};
 pub(super) use record::{Gauges, MOST_FRAMES, RawRecord};
+pub use solve::MOST_EVENTS;
 pub(super) use solve::{MOST_CELLS, RawMethod, RawScheme, RawSolve};
 
 /// A scene: one bar, its two ends, how to solve it and what to record. Numbers are SI; a text is a number with

@@ -10,7 +10,7 @@ use crate::units::measures::Time;
 /// steps to pass them.
 pub(in crate::scene) const MOST_CELLS: usize = 10_000_000;
 /// Most events that a run can be asked for: at about 140 bytes each, 56 GB of memory.
-const MOST_EVENTS: usize = 400_000_000;
+pub const MOST_EVENTS: usize = 400_000_000;
 
 /// Numerical method and end time.
 #[derive(Debug, Deserialize, JsonSchema)]

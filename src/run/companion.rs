@@ -10,9 +10,14 @@ use crate::scene::{Scene, TaperDiscretization};
 use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
-/// Tolerances that are tried when a run used up its events: the largest, and the smallest.
+/// The largest tolerance that is tried when a run used up its events.
 const LARGEST_TRIED: f64 = 0.5;
-const SMALLEST_TRIED: f64 = 1e-3;
+/// Powers of one over the tolerance with which events are taken to grow: at least, and at most.
+const GROWTH: [f64; 2] = [1.0, 3.0];
+/// Part of the events that are left which the last try is expected to take.
+const SAFE: f64 = 0.7;
+/// A try is worth its events where it is finer by this.
+const WORTHWHILE: f64 = 1.2;
 
 /// What a step of a companion's staircase may reflect at the most.
 const COARSEST: f64 = 0.5;
@@ -134,13 +139,30 @@ pub(super) fn tolerance_that_carries(
     settings: Settings,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<f64>> {
-    let (mut left, mut tolerance, mut carries) = (settings.event_budget, LARGEST_TRIED, None);
-    while tolerance >= SMALLEST_TRIED.max(COMPANION_RATIO * settings.front_tolerance) {
+    let (mut left, mut tolerance) = (settings.event_budget, LARGEST_TRIED);
+    let mut carries: Option<(f64, f64)> = None;
+    while tolerance > settings.front_tolerance {
         let tried = Settings { front_tolerance: tolerance, event_budget: left, ..settings };
         let Some((bar, _)) = tracked(scene, tried, &[scene.solve.until], progress)? else { break };
-        carries = Some(tolerance);
+        let events = bar.events().max(1) as f64;
         left = left.saturating_sub(bar.events());
-        tolerance /= COMPANION_RATIO;
+        let next = next_tried((tolerance, events), carries, SAFE * left as f64);
+        carries = Some((tolerance, events));
+        if next * WORTHWHILE > tolerance {
+            break;
+        }
+        tolerance = next;
     }
-    Ok(carries)
+    Ok(carries.map(|(tolerance, _)| tolerance))
+}
+
+/// The next tolerance to try after one with its events, and the one before: finer by the ratio of companions, or as fine as so many events are
+/// expected to carry. Rounded up to two digits, so that the one that is advised is the one that was tried.
+fn next_tried((tolerance, events): (f64, f64), before: Option<(f64, f64)>, most: f64) -> f64 {
+    let seen = before.map(|(coarser, fewer)| (events / fewer).ln() / (coarser / tolerance).ln());
+    let growth = seen.map_or(GROWTH[1], |seen| seen.clamp(GROWTH[0], GROWTH[1]));
+    let finer = (most / events).powf(1.0 / growth).min(COMPANION_RATIO);
+    let next = tolerance / finer;
+    let digit = 10_f64.powi(next.log10().floor() as i32 - 1);
+    (next / digit).ceil() * digit
 }

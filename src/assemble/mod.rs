@@ -147,6 +147,16 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
 
 /// The fans that ends and joints start with, and those that start there later.
 fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
+    let fans = all_sudden_fans(scene, grid, late);
+    if is_followed_both_ways(&scene.effects) {
+        fans.into_iter().map(InitialFan::unloading_along_curve).collect()
+    } else {
+        fans
+    }
+}
+
+/// Those of a bar that is unloaded elastically.
+fn all_sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let first = starting_fans(&scene.bar, &scene.left, &scene.right);
     if !follows_curves(scene) || !sudden_fans::can_be_tracked(scene) {
         return first;

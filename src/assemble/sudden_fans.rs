@@ -3,7 +3,7 @@
 use super::front_tracking;
 use crate::bar::{
     Bar, Driver, EndCondition, InitialFan, Joint, Origin, Segment, at_rising_load, at_spring, drives_at_start,
-    first_change, imposes_until, same_section, same_state, spring_waves,
+    first_change, same_section, same_state, spring_waves,
 };
 use crate::law::Table;
 use crate::material::Sense;
@@ -54,7 +54,33 @@ pub(super) fn tracked(scene: &Scene, dt: f64, until: f64) -> Vec<InitialFan> {
     let at_once = |origin: Origin, time: f64| {
         !rises(origin, time) && (time == 0.0 || can_close(scene, origin) || jumps(scene, origin, time))
     };
-    front_tracking(&jumping(scene, dt), settings).later_fans(until, at_once)
+    let jumping = jumping(scene, dt);
+    let mut fans = front_tracking(&jumping, settings).later_fans(until, at_once);
+    // What unloads the bar behind a fan as its own load lessens is known, see [`crate::solver::unloading`]; what else meets it is asked for.
+    if let Some(holding) = holding(&jumping) {
+        let held = front_tracking(&holding, settings).later_fans(until, at_once);
+        let same = |a: &InitialFan, b: &InitialFan| a.origin == b.origin && a.segment == b.segment && a.from == b.from;
+        for fan in &mut fans {
+            if let Some(held) = held.iter().find(|held| same(held, fan)) {
+                fan.holds_until = held.holds_until;
+            }
+        }
+    }
+    fans
+}
+
+/// The scene, but that no load lessens; none where none does.
+fn holding(scene: &Scene) -> Option<Scene> {
+    let (mut held, last) = (scene.clone(), scene.bar.segments.len() - 1);
+    for (end, segment) in [(&mut held.left, 0), (&mut held.right, last)] {
+        match end {
+            EndCondition::Velocity { history, .. } => *history = history.holding(scene.bar.segments[segment].velocity),
+            EndCondition::Stress { history } => *history = history.holding(0.0),
+            _ => {}
+        }
+    }
+    let changes = |end: &EndCondition, held: &EndCondition| end.history() != held.history();
+    (changes(&scene.left, &held.left) || changes(&scene.right, &held.right)).then_some(held)
 }
 
 /// The scene, but that loads jump as they begin to rise within some steps of `dt`, s.
@@ -286,8 +312,9 @@ fn at_start(fans: &[InitialFan], scene: &Scene) -> Option<Vec<InitialFan>> {
     let Some(end) = end_at(scene, fan.origin) else {
         return Some(fans.iter().map(|fan| driven(fan, Driver::Velocity, f64::INFINITY)).collect());
     };
-    let (driver, holds_until) = drives_at_start(end, fan.direction, &scene.bar.segments[fan.segment])?;
-    (holds_until > 0.0).then(|| vec![driven(fan, driver, holds_until)])
+    let at = &scene.bar.segments[fan.segment];
+    let (driver, holds_until) = drives_at_start(end, fan.direction, at)?;
+    (holds_until > 0.0).then(|| vec![driven(fan, driver, holds_until).held_by(end, at, 0.0)])
 }
 
 /// Waves may come to meet it as soon as they can.
@@ -302,6 +329,11 @@ const UNDER_STRESS: f64 = 0.8;
 /// That of a load which rises until a time, s.
 fn rising(fans: &[InitialFan], until: f64, scene: &Scene, grid: &Grid, late: f64) -> Option<Vec<InitialFan>> {
     let jump = after_start(fans, &jumping(scene, grid.dt), grid, late)?.pop()?;
+    // Along the curve a bar is unloaded by shocks.
+    let unloads_first = jump.sense.sign() * jump.stress_ahead() < 0.0;
+    if unloads_first && super::is_followed_both_ways(&scene.effects) {
+        return None;
+    }
     let end = end_at(scene, jump.origin)?;
     let curve = scene.bar.segments[jump.segment].material.branch(jump.sense);
     at_rising_load(&jump, end, curve, until, grid.dt).map(|fan| vec![fan])
@@ -313,8 +345,8 @@ fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Op
     let driver = drives_alone(scene, fans[0].origin)?;
     let part = if driver == Driver::Stress { UNDER_STRESS } else { 1.0 };
     let lasts = |fan: &InitialFan| {
-        let holds_until = in_parts(part * holds_for(fan, scene) / grid.dt) * grid.dt;
-        InitialFan { from, holds_until, driver, ..fan.clone() }
+        let held = held(&InitialFan { driver, ..fan.clone() }, scene);
+        InitialFan { from, holds_until: in_parts(part * held.holds_until / grid.dt) * grid.dt, ..held }
     };
     Some(fans.iter().map(lasts).collect())
 }
@@ -406,11 +438,11 @@ fn takes_shape(fan: &InitialFan, scene: &Scene, grid: &Grid) -> f64 {
     SHAPED * fan.followed_for(grid.segments[fan.segment].dx, c0)
 }
 
-/// For how long what drives a fan stays as it is, s.
-fn holds_for(fan: &InitialFan, scene: &Scene) -> f64 {
-    let after = fan.from * (1.0 + SAME_TIME);
-    let imposes = |end| imposes_until(end, after, [fan.fan.velocity, fan.changes()[0]]);
-    end_at(scene, fan.origin).map_or(f64::INFINITY, |end| imposes(end) - fan.from).min(fan.holds_until)
+/// A fan for as long as what drives it holds.
+fn held(fan: &InitialFan, scene: &Scene) -> InitialFan {
+    let at = &scene.bar.segments[fan.segment];
+    let held = |end| fan.clone().held_by(end, at, fan.from * (1.0 + SAME_TIME));
+    end_at(scene, fan.origin).map_or_else(|| fan.clone(), held)
 }
 
 /// What of an end stays as it is when waves come, which is that of a joint; none where both its velocity and its stress change.

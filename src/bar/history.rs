@@ -107,7 +107,7 @@ impl History {
         Self { time, value }
     }
 
-    /// Where it rises, or falls, without a pause, and within at most `longest` (s), by a tenth of its largest magnitude or more: from and to when, s.
+    /// Where its magnitude rises without a pause, and within at most `longest` (s), by a tenth of the largest or more: from and to when, s.
     /// None of more than eight: a noisy record has many.
     pub fn rises(&self, longest: f64) -> Vec<[f64; 2]> {
         let (time, value, least) = (&self.time, &self.value, STEEP * self.extreme().abs());
@@ -117,7 +117,8 @@ impl History {
         let ends = |run: &[usize]| (run[0], run[run.len() - 1] + 1);
         let is_steep = |&(first, last): &(usize, usize)| {
             let lasts = time[last] - time[first];
-            0.0 < lasts && lasts <= longest && (value[last] - value[first]).abs() > least
+            let grows = value[last].abs() > value[first].abs();
+            grows && 0.0 < lasts && lasts <= longest && (value[last] - value[first]).abs() > least
         };
         let rises: Vec<[f64; 2]> =
             pairs.chunk_by(goes_on).map(ends).filter(is_steep).map(|(a, b)| [time[a], time[b]]).collect();
@@ -248,6 +249,55 @@ impl History {
         t + (self.time[k] - t) * part.clamp(0.0, 1.0)
     }
 
+    /// Time up to which the value only falls back towards `rest` from `from` on, s, without a jump and by less than this part of what it differs
+    /// by; `from` where it does not.
+    pub fn lessens_until(&self, from: f64, rest: f64, part: f64) -> f64 {
+        let change = self.at(from) - rest;
+        let left = |value: f64| (value - rest) / change;
+        let (mut time, mut least) = (from, 1.0);
+        for (&t, &v) in self.time.iter().zip(&self.value).skip_while(|row| *row.0 <= from) {
+            let now = left(v);
+            if now > least || t == time {
+                return time;
+            }
+            if now < 1.0 - part {
+                return time + (t - time) * ((least - (1.0 - part)) / (least - now));
+            }
+            (time, least) = (t, now);
+        }
+        f64::INFINITY
+    }
+
+    /// The same, but that it does not fall back towards `rest` before it jumps or rises again.
+    #[must_use]
+    pub fn holding(&self, rest: f64) -> Self {
+        let left = |value: f64| (value - rest).abs();
+        let falls = |k: usize| {
+            self.time[k] < self.time[k + 1]
+                && left(self.value[k + 1]) < left(self.value[k])
+                && (self.value[k + 1] - rest) * (self.value[k] - rest) >= 0.0
+        };
+        let last = self.time.len() - 1;
+        let (mut time, mut value) = (vec![self.time[0]], vec![self.value[0]]);
+        for k in 0..last {
+            let held = value[value.len() - 1];
+            if falls(k) {
+                // The last value holds for ever where nothing follows.
+                let goes_on = k + 1 == last || falls(k + 1) || self.time[k + 2] == self.time[k + 1];
+                time.push(self.time[k + 1]);
+                value.push(held);
+                if !goes_on {
+                    time.push(self.time[k + 1]);
+                    value.push(self.value[k + 1]);
+                }
+            } else {
+                time.push(self.time[k + 1]);
+                value.push(self.value[k + 1]);
+            }
+        }
+        Self { time, value }
+    }
+
     /// The value rises from 0 and never jumps.
     pub fn is_continuous(&self) -> bool {
         self.value[0] == 0.0 && !self.jumps_between(0.0, f64::INFINITY)
@@ -268,10 +318,9 @@ mod tests {
         let history = |rows: &[(f64, f64)]| History::new(rows).expect("rows are right");
         let pulse = [(0.0, 0.0), (5.0, 0.0), (5.2, 1.0), (5.5, 4.0), (9.0, 4.0), (9.0, 2.0), (9.3, 0.0), (9.5, 0.1)];
         let pulse = history(&pulse);
-        assert_eq!(pulse.rises(0.2), Vec::<[f64; 2]>::new());
-        assert_eq!(pulse.rises(0.4), [[9.0, 9.3]]);
-        assert_eq!(pulse.rises(0.5), [[5.0, 5.5], [9.0, 9.3]]);
-        let jumps = [(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (5.5, 4.0), (9.0, 4.0), (9.0, 0.0), (9.3, 0.0), (9.5, 0.1)];
+        assert_eq!(pulse.rises(0.4), Vec::<[f64; 2]>::new());
+        assert_eq!(pulse.rises(0.5), [[5.0, 5.5]]);
+        let jumps = [(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (5.5, 4.0), (9.0, 4.0), (9.0, 2.0), (9.3, 0.0), (9.5, 0.1)];
         assert_eq!(pulse.jumping(&pulse.rises(0.5)), history(&jumps));
         let from_start = history(&[(0.0, 0.0), (0.5, 4.0), (9.0, 4.0)]);
         assert_eq!(
@@ -281,6 +330,28 @@ mod tests {
         assert_eq!(History::constant(3.0).rises(1.0), Vec::<[f64; 2]>::new());
         let noisy: Vec<(f64, f64)> = (0..20).map(|k| (0.1 * f64::from(k), f64::from(k % 2))).collect();
         assert_eq!(history(&noisy).rises(1.0), Vec::<[f64; 2]>::new());
+    }
+
+    #[test]
+    fn a_value_lessens_until_it_rises_jumps_or_has_lost_its_part() {
+        let until =
+            |rows: &[(f64, f64)], from: f64| History::new(rows).expect("rows are right").lessens_until(from, 1.0, 0.5);
+        assert_eq!(until(&[(0.0, 5.0), (4.0, 1.0)], 0.0), 2.0);
+        assert_eq!(until(&[(0.0, -3.0), (1.0, -2.0), (3.0, 0.0)], 0.0), 2.0);
+        assert_eq!(until(&[(0.0, 5.0), (1.0, 4.0), (2.0, 4.5)], 0.0), 1.0);
+        assert_eq!(until(&[(0.0, 5.0), (1.0, 4.0), (1.0, 3.5)], 0.0), 1.0);
+        assert_eq!(until(&[(0.0, 5.0), (1.0, 6.0)], 0.0), 0.0);
+        assert_eq!(until(&[(0.0, 1.0), (3.0, 1.0), (3.0, 5.0), (4.0, 4.0)], 3.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_value_holds_in_place_of_falling_back() {
+        let history = |rows: &[(f64, f64)]| History::new(rows).expect("rows are right");
+        let falls = history(&[(0.0, 5.0), (1.0, 4.0), (2.0, 3.0), (3.0, 6.0), (4.0, 5.0), (4.0, 7.0), (5.0, 2.0)]);
+        let holds = [(0.0, 5.0), (1.0, 5.0), (2.0, 5.0), (2.0, 3.0), (3.0, 6.0), (4.0, 6.0), (4.0, 7.0), (5.0, 7.0)];
+        assert_eq!(falls.holding(0.0), history(&holds));
+        let rises = history(&[(0.0, 0.0), (1.0, 4.0), (2.0, 4.0)]);
+        assert_eq!(rises.holding(0.0), rises);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::uniform::same_section;
 use super::{Bar, EndCondition, Joint, Segment};
 use crate::material::{Curve, Sense};
 use crate::root::bisect;
-use crate::wave::similarity::{Fan, fan_at_stress, fan_at_velocity};
+use crate::wave::similarity::{Edge, Fan, fan_at_stress, fan_at_velocity};
 
 /// Cells that the slowest front of a fan travels while schemes on a grid follow the exact fan, where the bar has room, and while histories show
 /// the exact state. Copper on a wall at 60 m/s, 200 cells: the first cell has 0.9 % too much strain with 6, 0.4 % with 24; the error of all
@@ -52,6 +52,15 @@ pub enum Driver {
     Body,
 }
 
+/// How the bar behind a fan is unloaded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unloads {
+    /// By elastic waves.
+    Elastically,
+    /// Back along the curve, as fast as the slowest front.
+    AlongCurve,
+}
+
 /// One fan of fronts into one segment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InitialFan {
@@ -79,10 +88,14 @@ pub struct InitialFan {
     pub waves_before: usize,
     /// The largest imposed value holds from t = 0 on and never changes.
     pub sudden: bool,
+    /// From when on what drives it lessens while it holds, s, as a body does at once that the bar slows down; infinite where it does not.
+    pub lessens_from: f64,
+    /// How it is unloaded then.
+    pub unloads: Unloads,
     /// First time at which the driving value falls back (or is released), s; infinite where it never does.
     pub loads_until: f64,
     /// Time up to which what drives it stays as it is at t = 0, s: 0 where it grows from nothing. A striker is slowed down; it counts as
-    /// steady while that changes the force by less than 2 %.
+    /// steady while that changes the force by less than 2 %. Of fans that start on a grid: or up to which it only lessens, see [`InitialFan::held_by`].
     pub holds_until: f64,
     /// What drives it.
     pub driver: Driver,
@@ -97,8 +110,10 @@ pub struct InitialFan {
 /// Part of the force of a striker that it may lose and still count as steady.
 const STEADY: f64 = 0.02;
 
-/// Part of it up to which [`InitialFan::relief`] follows how it falls.
-const FOLLOWED: f64 = 0.6;
+/// Part of its slowest fronts up to which a fan is followed as it is unloaded, and by how much slower than others these are: next to the slowest
+/// of them others hardly change how waves are thrown back.
+const FOLLOWED: f64 = 0.9;
+const SLOW: f64 = 1.3;
 
 impl InitialFan {
     /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
@@ -107,8 +122,7 @@ impl InitialFan {
         let Some(first) = self.fan.edges.first().filter(|_| self.state_behind().is_some()) else { return 0.0 };
         // Other waves may come to meet it from the far side.
         let room = if self.alone { length } else { 0.5 * length }.min(self.uniform_for);
-        let steady = if self.driver == Driver::Body { FOLLOWED / STEADY * self.holds_until } else { self.holds_until };
-        (room / first.speed).min(steady)
+        (room / first.speed).min(self.holds_until)
     }
 
     /// Time (s) after which its slowest front has travelled [`START_CELLS`] cells of this length, m; 0 of one that is elastic: `c0` is the speed (m/s)
@@ -119,12 +133,67 @@ impl InitialFan {
         slowest.map_or(0.0, |edge| delay + START_CELLS * dx / edge.speed)
     }
 
-    /// How much less the bar is slowed down further in than at its end, where a body drives that, s/m: a velocity `w` that the end has lost
-    /// after the time t is `w (1 - relief x/t)` at the distance x behind the slowest front. With the speed c of that front and `c0` (m/s)
-    /// it is `2 c / (c0^2 + c^2)`: two elastic waves, the second of them thrown back by the front, that is weakened along its chord.
-    pub fn relief(&self, c0: f64) -> f64 {
+    /// The same, driven by this end of a segment: for as long as what that imposes from `settled` (s) on stays as it is, or lessens and takes away only
+    /// the slowest fronts.
+    #[must_use]
+    pub fn held_by(self, end: &EndCondition, at: &Segment, settled: f64) -> Self {
+        let part = self.can_lose(at.material.c0());
+        let change = match self.driver {
+            Driver::Stress => self.sense.sign() * self.changes()[0],
+            _ => -self.direction * self.sense.sign() * self.fan.velocity,
+        };
+        let (until, lessens_from) = match end {
+            EndCondition::Velocity { history, .. } | EndCondition::Stress { history } => {
+                let steady = history.stays_near(settled, history.at(settled), DRIFT * change.abs());
+                let falls = history.lessens_until(settled, history.at(settled) - change, part);
+                (steady.max(falls), if falls > steady { steady } else { f64::INFINITY })
+            }
+            EndCondition::Striker { mass, .. } => {
+                let area = at.end_areas()[usize::from(self.direction < 0.0)];
+                let decay = mass / (at.material.impedance() * area);
+                (self.from + part * decay, self.from + STEADY * decay)
+            }
+            _ => (f64::INFINITY, f64::INFINITY),
+        };
+        let holds_until = self.holds_until.min(until - self.from);
+        Self { holds_until, lessens_from: lessens_from - self.from, ..self }
+    }
+
+    /// The same in a bar that is unloaded along its curve. How much of a stress it can lose then is not known.
+    #[must_use]
+    pub fn unloading_along_curve(self) -> Self {
+        let steady = if self.driver == Driver::Stress { self.lessens_from } else { f64::INFINITY };
+        Self { holds_until: self.holds_until.min(steady), unloads: Unloads::AlongCurve, ..self }
+    }
+
+    /// Speeds of the waves that unload the bar behind it, and of the front that throws them back, m/s; `c0` is that of elastic waves.
+    pub fn unloading_speeds(&self, c0: f64) -> [f64; 2] {
         let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
-        2.0 * slowest / (c0 * c0 + slowest * slowest)
+        [if self.unloads == Unloads::Elastically { c0 } else { slowest }, slowest]
+    }
+
+    /// Stress that its end loses with its velocity as that falls steadily, over the density, m/s.
+    pub fn slowing(&self, c0: f64) -> f64 {
+        let [waves, front] = self.unloading_speeds(c0);
+        2.0 * front * waves * waves / (waves * waves + front * front)
+    }
+
+    /// Part of what drives it that its end can lose before only fronts are left that are faster than the slowest.
+    fn can_lose(&self, c0: f64) -> f64 {
+        let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
+        let size = |edge: &Edge| match self.driver {
+            Driver::Stress => edge.stress_behind - edge.stress_ahead,
+            _ => edge.velocity_jump(),
+        };
+        let slow = self.fan.edges.iter().filter(|edge| edge.speed < SLOW * slowest && !edge.is_elastic(c0));
+        // What is left of a loss at the front.
+        let [squared, squared_slow] = [c0 * c0, slowest * slowest];
+        let arrives = match self.driver {
+            // The stress that is lost there over that at the end, rho c times the velocity.
+            Driver::Stress => (squared - squared_slow) / (2.0 * squared),
+            _ => (squared - squared_slow) / (squared + squared_slow),
+        };
+        FOLLOWED * (slow.map(size).sum::<f64>() / (arrives * self.fan.edges.iter().map(size).sum::<f64>())).min(1.0)
     }
 
     /// It starts at the same place before another one, and what drives it holds for some time.
@@ -198,6 +267,14 @@ pub fn starting_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Ve
         return at_gap(bar, [left, right]).unwrap_or_default();
     }
     let mut fans = fans(bar, left, right, Imposed::at_first);
+    for fan in &mut fans {
+        let at = &bar.segments[fan.segment];
+        match fan.origin {
+            Origin::Left => *fan = fan.clone().held_by(left, at, 0.0),
+            Origin::Right => *fan = fan.clone().held_by(right, at, 0.0),
+            Origin::Joint(_) => {}
+        }
+    }
     // Another end may act later.
     let alone = largest.iter().all(|fan| fan.alone);
     for fan in &mut fans {
@@ -265,18 +342,9 @@ pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) ->
     }
 }
 
-/// What drives the end of a segment, and for how long it stays as it is at t = 0, s. None of ends that do nothing of their own at once.
+/// What drives the end of a segment at t = 0, and until when at the latest, s. None of ends that do nothing of their own at once.
 pub(crate) fn drives_at_start(end: &EndCondition, direction: f64, at: &Segment) -> Option<(Driver, f64)> {
     Imposed::at_first(at, end, direction).map(|imposed| (imposed.driver, imposed.holds_until))
-}
-
-/// Until when what an end imposes stays as it is just after `from` (s), where a fan starts that brings these changes of velocity (m/s) and stress (Pa).
-pub(crate) fn imposes_until(end: &EndCondition, from: f64, [velocity, stress]: [f64; 2]) -> f64 {
-    match end {
-        EndCondition::Velocity { history, .. } => history.stays_near(from, history.at(from), DRIFT * velocity),
-        EndCondition::Stress { history } => history.stays_near(from, history.at(from), DRIFT * stress),
-        _ => f64::INFINITY,
-    }
 }
 
 pub(super) fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
@@ -305,6 +373,8 @@ fn of_end(imposed: Imposed, origin: Origin, x: f64, segment: usize, at: &Segment
         wave_through: None,
         waves_before: 0,
         sudden: imposed.sudden,
+        lessens_from: f64::INFINITY,
+        unloads: Unloads::Elastically,
         loads_until: imposed.loads_until,
         holds_until: imposed.holds_until,
         driver: imposed.driver,
@@ -351,14 +421,11 @@ impl Imposed {
     /// At first, for as long as that holds.
     fn at_first(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
         let Some((driver, history, [rest, released])) = prescribed(at, end) else {
-            return Self::at_most(at, end, direction);
+            return Self::at_most(at, end, direction).map(|imposed| Self { holds_until: f64::INFINITY, ..imposed });
         };
-        let value = history.at(0.0);
-        Some(Self {
-            sudden: history.is_constant(),
-            holds_until: history.stays_near(0.0, value, DRIFT * (value - rest).abs()).min(released),
-            ..Self::steady(driver, value - rest)
-        })
+        let change = history.at(0.0) - rest;
+        let holds_until = if change == 0.0 { 0.0 } else { released };
+        Some(Self { sudden: history.is_constant(), holds_until, ..Self::steady(driver, change) })
     }
 
     /// At its strongest.
@@ -468,6 +535,8 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
                 wave_through: None,
                 waves_before: 0,
                 sudden: true,
+                lessens_from: f64::INFINITY,
+                unloads: Unloads::Elastically,
                 loads_until: f64::INFINITY,
                 holds_until: f64::INFINITY,
                 driver: Driver::Velocity,

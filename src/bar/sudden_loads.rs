@@ -63,11 +63,12 @@ fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
     let segment = &bar.segments[fan.segment];
     let (material, [stress, velocity]) = (&segment.material, fan.state_behind()?);
     let lasts = fan.known_until(segment.length).min(fan.followed_for(dx, material.c0()));
-    // Fans that grow come to the state behind them later; schemes show them themselves.
-    (lasts > 0.0 && fan.delays.is_empty()).then(|| SuddenLoad {
+    // Schemes show fans themselves whose loads change.
+    let shown = fan.delays.is_empty() && (fan.driver == Driver::Body || lasts <= fan.lessens_from);
+    (lasts > 0.0 && shown).then(|| SuddenLoad {
         stress,
         velocity,
-        by_body: (fan.driver == Driver::Body).then(|| -fan.direction * material.modulus * fan.relief(material.c0())),
+        by_body: (fan.driver == Driver::Body).then(|| -fan.direction * material.density * fan.slowing(material.c0())),
         from: fan.from,
         lasts,
         fading: None,

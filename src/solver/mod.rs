@@ -7,6 +7,7 @@ pub mod moc;
 pub mod muscl;
 pub mod net;
 mod starting_fan;
+mod unloading;
 
 pub use end_state::{EndSample, EndState};
 pub use energies::Energies;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::unloading::Unloading;
 use crate::bar::{Driver, InitialFan, Origin};
 use crate::wave::similarity::Edge;
 
@@ -10,6 +11,9 @@ const TOGETHER: f64 = 1e-9;
 
 /// Places that differ by this part are one.
 const SAME_PLACE: f64 = 1e-9;
+
+/// Part of its velocity within which a fan has lost nothing.
+const ROUND_OFF: f64 = 1e-12;
 
 /// A front of a fan.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -46,9 +50,9 @@ pub struct StartingFan {
     pub at_joint: bool,
     /// What drives it.
     pub driver: Driver,
-    /// Velocity that this end has lost since it started, m/s, in +x.
-    pub slowed: f64,
-    /// How far its end had moved at its start, m, where that follows from a stress.
+    /// How what drives it unloads the bar, where that lessens.
+    unloading: Option<Unloading>,
+    /// How far its end had moved at its start, m, less what it has lost of its way since, where that follows from a stress.
     pub placed: f64,
     /// Momentum that schemes owe for both sides of its joint, N s in +x.
     pub owed: f64,
@@ -62,12 +66,8 @@ pub struct StartingFan {
     pub velocity_behind: f64,
     /// Stress behind it, Pa, tension positive.
     pub stress: f64,
-    /// [`InitialFan::relief`], s/m.
-    relief: f64,
-    /// Of the segment, kg/m^3.
-    density: f64,
-    /// Change of stress behind it with the velocity of the end, Pa s/m, > 0.
-    pub impedance: f64,
+    /// Of waves that unload the bar, Pa s/m.
+    impedance: f64,
     /// Length over which fronts that are not elastic are ramps, m.
     ramp: f64,
     /// When it starts, s.
@@ -101,12 +101,15 @@ impl StartingFan {
         // Waves that start a fan arrive with a whole step; that within which a gap closes is part of the fan.
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
         let first = if by_wave { started.round() } else { started.floor() };
-        let (fronts, relief) = (fronts(initial_fan, wave_speed), initial_fan.relief(wave_speed));
+        let fronts = fronts(initial_fan, wave_speed);
+        let slowest = fronts.last().filter(|_| initial_fan.lessens_from < initial_fan.holds_until);
+        let speeds = initial_fan.unloading_speeds(wave_speed);
+        let unloading = slowest.map(|front| Unloading::new(speeds, front.delay));
         Some(Self {
             side: usize::from(initial_fan.direction < 0.0),
             at_joint,
             driver: initial_fan.driver,
-            slowed: 0.0,
+            unloading,
             placed: 0.0,
             owed: 0.0,
             only_origin: false,
@@ -114,9 +117,7 @@ impl StartingFan {
             fronts,
             velocity_behind,
             stress,
-            relief,
-            density,
-            impedance: density * wave_speed * wave_speed * relief,
+            impedance: density * speeds[0],
             ramp: ramp * dx,
             from: initial_fan.from,
             by_wave,
@@ -153,7 +154,12 @@ impl StartingFan {
 
     /// Its fronts leave its origin one after another.
     pub fn grows(&self) -> bool {
-        self.fronts.last().is_some_and(|front| front.delay > 0.0)
+        self.grows_at(0.0)
+    }
+
+    /// Some of them leave after this time, s after its start.
+    pub fn grows_at(&self, time: f64) -> bool {
+        self.fronts.last().is_some_and(|front| front.delay > time.max(0.0))
     }
 
     /// How far its origin has moved `time` (s) after its start, m; before its start, at negative times, it moves with the bar ahead.
@@ -229,29 +235,72 @@ impl StartingFan {
 
     /// Velocity (m/s) at its origin over the step from `time` (s) on, counted from its start.
     pub fn velocity_at_origin(&self, time: f64, dt: f64) -> f64 {
-        if self.grows() { self.means(0.0, time, dt)[0] } else { self.velocity_behind }
+        if self.grows() {
+            self.means(0.0, time, dt)[0]
+        } else {
+            self.velocity_behind - self.lost(0.0, time + 0.5 * dt)[0]
+        }
     }
 
     /// Stress at its origin at a time, Pa: behind its fronts that have left, less what the bar is unloaded there.
     pub fn stress_at_origin(&self, time: f64, dt: f64) -> f64 {
         let from = (time - 0.5 * dt).max(0.0);
-        if self.grows() { self.means(0.0, from, time + 0.5 * dt - from)[1] } else { self.unloaded_stress() }
+        if self.grows() {
+            self.means(0.0, from, time + 0.5 * dt - from)[1]
+        } else {
+            self.stress + self.lost(0.0, time)[1]
+        }
     }
 
-    /// Stress behind it, less what the bar is unloaded there, Pa.
-    fn unloaded_stress(&self) -> f64 {
-        self.stress + self.direction() * self.impedance * self.slowed
+    /// What the bar has lost at a time (s after its start) at a distance (m): velocity, m/s in +x, and what that adds to the stress, Pa.
+    fn lost(&self, distance: f64, time: f64) -> [f64; 2] {
+        let [velocity, stress] = self.unloading.as_ref().map_or([0.0; 2], |unloading| unloading.lost(distance, time));
+        [velocity, self.direction() * self.impedance * stress]
+    }
+
+    /// How its end answers at a time, s after its start: the stress (Pa) of an end that moves with [`Self::velocity_behind`], and by how much it
+    /// falls in size with the velocity, Pa s/m.
+    pub fn answer(&self, time: f64) -> [f64; 2] {
+        let Some(unloading) = &self.unloading else { return [self.stress, self.impedance] };
+        let [factor, summand] = unloading.stress_for_velocity(time);
+        [self.stress + self.direction() * self.impedance * summand, factor * self.impedance]
+    }
+
+    /// Its end moves with this velocity (m/s) at a time, s after its start.
+    pub fn lose(&mut self, time: f64, velocity: f64) {
+        let lost = self.loss(self.velocity_behind - velocity);
+        if let Some(unloading) = &mut self.unloading {
+            unloading.note_velocity(time, lost);
+        }
+    }
+
+    /// A loss of velocity (m/s) or none: what rounding adds is no loss.
+    fn loss(&self, lost: f64) -> f64 {
+        let jump = self.velocity_behind - self.velocity_ahead();
+        if lost * jump > ROUND_OFF * jump * jump { lost } else { 0.0 }
+    }
+
+    /// Its end carries this stress (Pa) at a time, s after its start.
+    pub fn carry(&mut self, time: f64, stress: f64) {
+        let lost = self.loss(self.direction() * (stress - self.stress) / self.impedance);
+        if let Some(unloading) = &mut self.unloading {
+            unloading.note_stress(time, lost);
+        }
+    }
+
+    /// Velocity (m/s, in +x) that its end has lost at a time, s after its start.
+    pub fn slowed(&self, time: f64) -> f64 {
+        self.lost(0.0, time)[0]
     }
 
     /// Mean velocity (m/s) and stress (Pa) over the step from `time` on, counted from its start, at `distance` (m) from where it starts.
     pub fn means(&self, distance: f64, time: f64, dt: f64) -> [f64; 2] {
         let (mut fronts, mut behind) = (&self.fronts[..], [self.velocity_behind, self.stress]);
-        if self.slowed != 0.0 {
-            // The unloading waves that a body sends after the fan take its slowest fronts away.
-            let elapsed = time + 0.5 * dt;
-            behind[0] -= self.slowed * (1.0 - self.relief * distance / elapsed).max(0.0);
-            behind[1] = self.unloaded_stress() - self.direction() * self.density * distance * self.slowed / elapsed;
-            let is_left = |front: &Front| (behind[0] - front.ahead[0]) * self.slowed > 0.0;
+        let [slowed, unloaded] = self.lost(distance, time + 0.5 * dt);
+        if slowed != 0.0 {
+            // The unloading waves that come after the fan take its slowest fronts away.
+            behind = [behind[0] - slowed, behind[1] + unloaded];
+            let is_left = |front: &Front| (behind[0] - front.ahead[0]) * slowed > 0.0;
             fronts = &fronts[..fronts.partition_point(is_left).max(1)];
         }
         self.through(fronts, behind, distance, time, dt)
@@ -308,6 +357,7 @@ fn ramped(t: f64, width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bar::Unloads;
     use crate::material::{Beyond, Curve, Sense};
     use crate::wave::similarity::fan_at_velocity;
 
@@ -332,6 +382,8 @@ mod tests {
             wave_through: None,
             waves_before: 0,
             sudden: true,
+            unloads: Unloads::Elastically,
+            lessens_from: if driver == Driver::Body { 0.0 } else { f64::INFINITY },
             loads_until: f64::INFINITY,
             holds_until: f64::INFINITY,
             driver,
@@ -364,7 +416,10 @@ mod tests {
     #[test]
     fn unloading_waves_fit_the_front_and_the_body() {
         let mut fan = starting(Driver::Body, 0.0);
-        fan.slowed = 0.1;
+        for step in 0..=60 {
+            let elapsed = (f64::from(step) + 0.5) * GRID.dt;
+            fan.lose(elapsed, fan.velocity_behind - 0.1 * elapsed / (60.5 * GRID.dt));
+        }
         let (time, slowest) = (60.0 * GRID.dt, fan.fronts[1].speed);
         let elapsed = time + 0.5 * GRID.dt;
         let lost = |distance: f64| {

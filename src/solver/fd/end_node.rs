@@ -374,6 +374,11 @@ impl EndNode {
         self.stress = stress;
     }
 
+    /// Mean stress on the end over the step ahead, Pa.
+    pub(super) fn stress_ahead(&self) -> f64 {
+        -self.means[1] / self.face.area
+    }
+
     /// Mean velocity (m/s) of the node over the step ahead, with the body at the end where there is one.
     pub(super) fn velocity_of_body(&self) -> f64 {
         let gap = self.model.body().map_or(0.0, |body| body.gap);

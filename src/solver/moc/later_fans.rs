@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{FrontSegment, FrontTracking, Stopped};
-use crate::bar::{Driver, InitialFan, Origin};
+use crate::bar::{Driver, InitialFan, Origin, Unloads};
 use crate::material::Sense;
 use crate::wave::similarity::{Edge, Fan, is_elastic};
 
@@ -162,6 +162,8 @@ impl FrontTracking {
             wave_through: None,
             waves_before: 0,
             sudden: false,
+            lessens_from: f64::INFINITY,
+            unloads: Unloads::Elastically,
             loads_until: f64::INFINITY,
             holds_until: f64::INFINITY,
             driver: Driver::Velocity,

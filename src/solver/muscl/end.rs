@@ -106,8 +106,9 @@ impl End {
     /// The same behind a fan.
     pub fn step_behind(&mut self, time: f64, dt: f64, fan: &StartingFan) -> Flux {
         let (step, Face { inward, area, .. }) = (self.step(time, dt), self.face);
-        let impedance = area * fan.impedance;
-        let bar = Response { force: -area * fan.stress - impedance * inward * fan.velocity_behind, impedance };
+        let [stress, impedance] = fan.answer(time - fan.from + 0.5 * dt);
+        let impedance = area * impedance;
+        let bar = Response { force: -area * stress - impedance * inward * fan.velocity_behind, impedance };
         let [force, velocity] = self.model.relation(&step, &bar).solve_with(&bar);
         self.account(&step, Flux { stress: -force / area, velocity: inward * velocity }, true)
     }

@@ -10,7 +10,7 @@ use super::face;
 use super::joint::Joint;
 use super::kernel::Scratch;
 use super::part::Part;
-use crate::bar::{Bar, Driver, EndCondition, Initial, InitialFan, SuddenLoads};
+use crate::bar::{Bar, EndCondition, Initial, InitialFan, SuddenLoads};
 use crate::law::FirstPassed;
 use crate::solver::fd::{Grid, SegmentLaw};
 use crate::solver::{EndState, Resolution, StartingFan};
@@ -186,14 +186,14 @@ impl Muscl {
             let here = |fan: &&mut StartingFan| !fan.at_joint && fan.side == side && fan.is_imposed_at(step);
             let fan = self.fans.iter_mut().find(here);
             let known = |fan: &&mut StartingFan| {
-                let grows = || fan.grows().then(|| fan.means(0.0, time - fan.from, dt));
+                let grows = || fan.grows_at(time - fan.from).then(|| fan.means(0.0, time - fan.from, dt));
                 fan.starts_within(step, dt).or_else(grows)
             };
             let flux = if let Some([velocity, stress]) = fan.as_ref().and_then(known) {
                 self.ends[side].step_with(time, dt, Flux { stress, velocity })
             } else if let Some(fan) = fan {
                 let flux = self.ends[side].step_behind(time, dt, fan);
-                fan.slowed = if fan.driver == Driver::Body { fan.velocity_behind - flux.velocity } else { 0.0 };
+                fan.lose(time - fan.from + 0.5 * dt, flux.velocity);
                 flux
             } else {
                 let near = face::near(&self.blocks[k], part, side, &mut self.state, &mut self.work);

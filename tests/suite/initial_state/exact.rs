@@ -359,5 +359,5 @@ fn a_bar_that_has_yielded_is_a_bar_of_the_hardened_material_by_every_method() {
     // A virgin cell that comes to its yield stress within a step has faces on either side of the knot of its curve; the curve of a
     // worked one has no knot there.
     let means = [200, 400, 800].map(|cells| worked_and_virgin(By::Godunov, cells).0.mean);
-    assert!(means[0] < 1e-4 && means[2] < 0.25 * means[0], "{means:?}");
+    assert!(means.iter().all(|mean| *mean < 1e-5), "{means:?}");
 }

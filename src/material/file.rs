@@ -64,6 +64,7 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
     let main = given.branch(sense, modulus, keys)?;
     let compression = compression(&raw, &given, modulus, keys)?;
     let steepest = compression.iter().map(|c| c.curve.steepest()).fold(main.curve.steepest(), f64::max);
+    let errors = [main.error, compression.as_ref().map_or(main.error, |c| c.error)];
     let constants = constants::resolve(&raw, given.describe(), keys)?;
     let scatter = raw.band.map(|band| scatter::resolve(band, main.curve.beyond(), keys)).transpose()?;
     Ok(Material {
@@ -72,7 +73,8 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
         loading,
         sense,
         poisson: keys.si(&raw.poisson)?,
-        table_error: compression.as_ref().map_or(main.error, |c| c.error.max(main.error)),
+        table_error: errors[0].max(errors[1]),
+        branch_errors: errors,
         constants,
         heating: None,
         scatter: scatter.map(Box::new),

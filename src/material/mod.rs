@@ -134,6 +134,9 @@ pub struct Material {
     pub compression: Option<Curve>,
     /// Largest distance in stress between the table and the formula it came from, Pa; 0 for a table.
     pub table_error: f64,
+    /// The same of tension and of compression.
+    #[serde(skip)]
+    pub branch_errors: [f64; 2],
     /// What else the file states: the law behind the table, rate and heat constants.
     pub constants: Constants,
     /// Set where plastic work heats the material: the curves above are then the adiabatic ones, see [`Material::heated`].
@@ -174,6 +177,7 @@ impl Material {
             tension: curve,
             compression: None,
             table_error: 0.0,
+            branch_errors: [0.0; 2],
             constants: Constants::default(),
             heating: None,
             scatter: None,

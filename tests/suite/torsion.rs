@@ -188,6 +188,19 @@ fn a_change_of_bore_reflects_as_the_polar_moments_say() {
     }
 }
 
+/// Of tables that are made of a law the rows alone are converted: knots between them would stiffen.
+#[test]
+fn kinematic_hardening_takes_laws_in_shear() {
+    for material in ["\"titanium-6al-4v-jc\"", "\"aluminium-1100-o\""] {
+        let bar = format!(
+            "mode = \"torsion\"\nshear = \"von-mises\"\nlength = 1\ndiameter = 0.02\ninner-diameter = 0.017\nmaterial = {material}"
+        );
+        let rest = "[effects]\nhardening = \"kinematic\"\n[solve]\nuntil = 1e-4\ncells = 100\n";
+        let scene = scene(&bar, "kind = \"velocity\"\nvalue = 100", "kind = \"free\"", rest);
+        assert!(scene.bar.segments[0].material.table_error > 0.0, "{material}");
+    }
+}
+
 #[test]
 fn a_tension_material_is_converted_only_if_that_is_said() {
     let bar = |more: &str| {

@@ -94,7 +94,7 @@ fn results(names: &[String]) -> Result<Option<Vec<PathBuf>>> {
     Ok(Some(names.iter().map(PathBuf::from).collect()))
 }
 
-/// One row a material, with the speeds of the fronts that carry 1 % and 10 % of strain.
+/// One row a material, with the speeds of the last fronts of bars loaded to 1 % and 10 % of strain.
 fn table(compared: &[Compared]) -> String {
     const GPA: f64 = 1e9;
     let rows: Vec<_> = compared
@@ -107,8 +107,8 @@ fn table(compared: &[Compared]) -> String {
                 output::fixed(Some(m.modulus_pa / GPA), 1),
                 output::fixed(Some(m.elastic_speed_m_s), 0),
                 output::fixed(Some(c.yield_velocity_m_s), 2),
-                output::fixed(speed_at(m, 0.01), 1),
-                output::fixed(speed_at(m, 0.1), 1),
+                output::fixed(m.speed_at_1_percent, 1),
+                output::fixed(m.speed_at_10_percent, 1),
                 output::fixed(c.critical_velocity_m_s, 2),
                 output::fixed(c.strain_at_max, 4),
                 output::fixed(c.stress_at_max_pa.map(|s| s / 1e6), 1),
@@ -130,11 +130,6 @@ fn table(compared: &[Compared]) -> String {
         "criterion",
     ];
     output::table(&headings, &rows, 1, true)
-}
-
-/// Speed of the front that carries a strain; none past the ultimate point.
-fn speed_at(m: &Compared, strain: f64) -> Option<f64> {
-    m.fronts.iter().find(|front| front.strain_behind >= strain).map(|front| front.speed)
 }
 
 /// One row a knot: material, strain, stress, wave speed, impact velocity; empty where there is none.

@@ -141,13 +141,16 @@ fn curves(drawing: &mut Drawing, place: Area, lines: &[Line]) {
     panel(drawing, place, "(a)  stress-strain curves, ultimate points", axes, &series, &numbers(lines));
 }
 
-/// Speeds of the fronts as a staircase, on a logarithmic scale down to a thousandth of the fastest.
+/// Speeds of the last fronts as a staircase, on a logarithmic scale down to a thousandth of the fastest.
 fn speeds(drawing: &mut Drawing, place: Area, lines: &[Line]) {
     let fastest = lines.iter().map(|line| line.material.elastic_speed_m_s).fold(0.0, f64::max);
     let stairs = |line: &Line| {
-        let fronts = line.material.fronts.iter().filter(|front| front.speed > SLOWEST * fastest);
-        let points = fronts.flat_map(|f| [(f.strain_ahead, f.speed), (f.strain_behind, f.speed)]);
-        Series::line("", points.map(|(e, c)| (e / PERCENT, c)).collect(), line.stroke.clone())
+        let steps = line.material.loading.windows(2).flat_map(|p| {
+            // Below the panel, where the stress does not rise.
+            let speed = p[1].wave_speed_m_s.max(0.1 * SLOWEST * fastest);
+            [(p[0].strain / PERCENT, speed), (p[1].strain / PERCENT, speed)]
+        });
+        Series::line("", steps.collect(), line.stroke.clone())
     };
     let series: Vec<Series> = lines.iter().map(stairs).collect();
     let axes = [

@@ -22,6 +22,12 @@ pub struct Compared {
     /// the places where the stress comes back after a drop, and points between, since the velocity is not straight
     /// there.
     pub loading: Vec<LoadingPoint>,
+    /// Speed of the last front of a bar loaded to 1 %, m/s, up to the ultimate point or the last knot.
+    #[serde(rename = "wave_speed_1_percent_m_s")]
+    pub speed_at_1_percent: Option<f64>,
+    /// The same for 10 %.
+    #[serde(rename = "wave_speed_10_percent_m_s")]
+    pub speed_at_10_percent: Option<f64>,
     /// Fronts that load the bar to the ultimate point, or to the last knot where there is none; fastest first.
     pub fronts: Vec<similarity::Edge>,
 }
@@ -36,8 +42,8 @@ pub struct CurvePoint {
     pub stress_pa: f64,
     /// Impact velocity that loads a long bar to this strain, m/s; past the ultimate point none does.
     pub impact_velocity_m_s: Option<f64>,
-    /// Speed of the front that carries this strain into a bar loaded to the ultimate point, m/s; past that point
-    /// there is none. At the origin: the elastic precursor's.
+    /// Speed of the last front of a bar loaded to this strain, m/s: of a shock where the curve stiffens, 0 where the stress does not rise; past the
+    /// ultimate point there is none. At the origin: the elastic precursor's.
     pub wave_speed_m_s: Option<f64>,
 }
 
@@ -48,6 +54,8 @@ pub struct LoadingPoint {
     pub strain: f64,
     /// m/s.
     pub impact_velocity_m_s: f64,
+    /// Speed of the last front, m/s.
+    pub wave_speed_m_s: f64,
 }
 
 /// Compares materials in one sense of loading.
@@ -58,16 +66,17 @@ pub fn compare(materials: &[Material], sense: Sense) -> Vec<Compared> {
 fn one(material: &Material, sense: Sense) -> Compared {
     let curve = material.branch(sense);
     let end = curve.ultimate().map_or(curve.last_strain(), |u| u.strain);
-    let fronts = similarity::hull(curve, material.density, end);
     let velocity_at = |strain: f64| match strain {
         0.0 => 0.0,
         _ => similarity::impact_velocity(curve, material.density, strain),
     };
+    let speed_at = |strain: f64| last_speed(curve, material.density, strain);
+    let within = |strain: f64| (strain <= end).then(|| speed_at(strain));
     let points = curve.strain().iter().zip(curve.stress()).map(|(&strain, &stress_pa)| CurvePoint {
         strain,
         stress_pa,
         impact_velocity_m_s: (strain <= end).then(|| velocity_at(strain)),
-        wave_speed_m_s: fronts.iter().find(|front| front.strain_behind >= strain).map(|front| front.speed),
+        wave_speed_m_s: within(strain),
     });
     let loading = loading_strains(curve, end).into_iter();
     Compared {
@@ -75,9 +84,23 @@ fn one(material: &Material, sense: Sense) -> Compared {
         modulus_pa: material.modulus,
         elastic_speed_m_s: material.c0(),
         curve: points.collect(),
-        loading: loading.map(|strain| LoadingPoint { strain, impact_velocity_m_s: velocity_at(strain) }).collect(),
-        fronts,
+        loading: loading
+            .map(|strain| LoadingPoint {
+                strain,
+                impact_velocity_m_s: velocity_at(strain),
+                wave_speed_m_s: speed_at(strain),
+            })
+            .collect(),
+        speed_at_1_percent: within(0.01),
+        speed_at_10_percent: within(0.1),
+        fronts: similarity::hull(curve, material.density, end),
     }
+}
+
+/// Speed of the last front of a bar loaded to a strain, m/s; for 0, of the first.
+fn last_speed(curve: &Curve, density: f64, strain: f64) -> f64 {
+    let to = if strain > 0.0 { strain } else { curve.strain()[1] };
+    similarity::hull(curve, density, to).last().map_or(0.0, |front| front.speed)
 }
 
 /// Strains up to `end`: the knots of the running maximum and, between them, points at most a hundredth of the
@@ -98,6 +121,28 @@ fn loading_strains(curve: &Curve, end: f64) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::material::Beyond;
+
+    /// The speed was that of the shock to the end of the table, 358 m/s at a strain of 10 %.
+    #[test]
+    fn speeds_are_those_of_bars_loaded_to_the_strain_where_the_curve_stiffens() {
+        let (density, modulus) = (7850.0_f64, 200e9);
+        let rows = [(0.001, 200e6), (0.1, 220e6), (0.2, 400e6), (0.3, 420e6)];
+        let curve = Curve::new(&rows, Beyond::Rupture).expect("the table is right");
+        let compared = &compare(&[Material::from_curve("stiff", density, curve)], Sense::Tension)[0];
+        let chord = |stress: f64, strain: f64| (stress / strain / density).sqrt();
+        let expected =
+            [chord(modulus, 1.0), chord(modulus, 1.0), chord(20e6, 0.099), chord(200e6, 0.199), chord(20e6, 0.1)];
+        for (point, speed) in compared.curve.iter().zip(expected) {
+            let found = point.wave_speed_m_s.expect("within the data");
+            assert!((found / speed - 1.0).abs() < 1e-9, "{}: {found} {speed}", point.strain);
+        }
+        let at = compared.speed_at_1_percent.zip(compared.speed_at_10_percent).expect("within the data");
+        assert!((at.0 / expected[2] - 1.0).abs() < 1e-9 && (at.1 / expected[2] - 1.0).abs() < 1e-9, "{at:?}");
+        // A shock up to the strain.
+        let middle = compared.loading.iter().find(|p| p.strain > 0.15).expect("points between");
+        let stress = 220e6 + 1.8e9 * (middle.strain - 0.1);
+        assert!((middle.wave_speed_m_s / chord(stress - 200e6, middle.strain - 0.001) - 1.0).abs() < 1e-9);
+    }
 
     #[test]
     fn the_velocity_stalls_across_a_yield_drop_and_starts_again_where_the_stress_returns() {

@@ -91,6 +91,11 @@ impl Material {
         Ok(material)
     }
 
+    /// Its curves are adiabatic ones.
+    pub fn is_adiabatic(&self) -> bool {
+        self.heating.as_ref().is_some_and(|heating| heating.warms())
+    }
+
     /// Some strain of the curves is plastic.
     pub(crate) fn can_flow(&self) -> bool {
         let bends = |curve: &Curve| curve.elastic_limit(self.modulus).0 < curve.last_strain();

@@ -10,7 +10,7 @@ const MM: f64 = 1e-3;
 /// Velocities, as parts of the critical one, whose residual strain is drawn.
 const PROFILES: [f64; 4] = [0.25, 0.6, 0.95, 1.1];
 
-/// Elongation, energy and place of fracture against impact velocity, with the critical velocity and the elongation of a slow test; and the
+/// Elongation, energy and place of fracture against impact velocity, with the critical velocity and the elongation at the maximum of the curve; and the
 /// residual strain at some velocities. SVG text.
 pub fn draw(results: &Results) -> Picture {
     let mut panels = vec![
@@ -21,7 +21,7 @@ pub fn draw(results: &Results) -> Picture {
         }),
     ];
     let slow = vec![(0.0, results.static_elongation / PERCENT), (last(results), results.static_elongation / PERCENT)];
-    panels[0].lines.push(line("static curve", slow, 2, Style::Dotted));
+    panels[0].lines.push(line(format!("{} curve", results.curve), slow, 2, Style::Dotted));
     if !results.x.is_empty() {
         panels.push(profiles(results));
     }

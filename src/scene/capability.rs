@@ -169,8 +169,7 @@ fn stiffens(asked: &Asked<'_>) -> Option<String> {
 
 /// The temperature is a state variable from the start.
 fn starts_warm(asked: &Asked<'_>) -> bool {
-    let warms = |s: &Segment| s.material.heating.as_ref().is_some_and(|heating| heating.warms());
-    asked.bar.segments.iter().any(|s| warms(s) && (s.has_yielded() || s.starts_warm()))
+    asked.bar.segments.iter().any(|s| s.material.is_adiabatic() && (s.has_yielded() || s.starts_warm()))
 }
 
 fn tapered(bar: &Bar) -> Option<usize> {

@@ -51,6 +51,27 @@ fn elongation_falls_at_the_critical_velocity() {
     assert_eq!(column("fracture_position_m")[5], Some(0.0));
 }
 
+/// With heat the numbers of the curve are those of the adiabatic one, and were called static.
+#[test]
+fn the_curve_is_named() {
+    let folder = folder();
+    let heated = SCENE.replace("rupture", "heat = {}\nrupture").replace("copper-annealed", "titanium-6al-4v-jc");
+    std::fs::write(folder.path().join("scene.toml"), heated).expect("a scene");
+    let named = |what: &str, curve: &str| {
+        let output = study(folder.path(), &[what, "--velocities", "200 m/s", "-o", curve]);
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.contains(&format!("m/s, from the {curve} curve")), "{text}");
+        assert!(text.contains(&format!("({curve} curve 0.")), "{text}");
+        let figure = std::fs::read_to_string(folder.path().join(curve).join("tension-impact.svg")).expect("a figure");
+        assert!(figure.contains(&format!("{curve} curve")));
+        let again = study(folder.path(), &[what, "--velocities", "200 m/s", "-o", curve, "--resume", "--json"]);
+        let results = json(&again);
+        assert_eq!(results["curve"], curve);
+        results["critical_velocity_m_s"].as_f64().expect("a number")
+    };
+    assert!(named("scene.toml", "adiabatic") < 0.95 * named("titanium-6al-4v-jc", "static"));
+}
+
 /// A second run is refused, a resumed one runs nothing and changes nothing.
 #[test]
 fn a_study_is_resumed() {

@@ -161,7 +161,7 @@ fn text(results: &Results, folder: &Path, figure: &Path) -> String {
     let largest = largest.map_or_else(
         || "no fracture".to_owned(),
         |(elongation, velocity)| {
-            format!("{elongation:.4} at {velocity:.2} m/s (static curve {:.4})", results.static_elongation)
+            format!("{elongation:.4} at {velocity:.2} m/s ({} curve {:.4})", results.curve, results.static_elongation)
         },
     );
     let critical = results.critical_between_m_s.map_or_else(
@@ -170,10 +170,11 @@ fn text(results: &Results, folder: &Path, figure: &Path) -> String {
     );
     format!(
         "Tension impact of {}, gauge length {} mm\n{table}\n  largest elongation    {largest}\n  at struck end at once {critical}\n  \
-         critical velocity     {:.2} m/s, from the static curve\n  results               {}\n  figure                {}\n",
+         critical velocity     {:.2} m/s, from the {} curve\n  results               {}\n  figure                {}\n",
         results.material,
         1e3 * results.length_m,
         results.critical_velocity_m_s,
+        results.curve,
         folder.display(),
         figure.display()
     )

@@ -51,7 +51,7 @@ pub struct Specimen<'a> {
     pub cells: usize,
 }
 
-/// A test: its cases, and what the static curve says.
+/// A test: its cases, and what the curve of its material says.
 #[derive(Debug)]
 pub struct Test {
     /// Its cases.
@@ -64,9 +64,11 @@ pub struct Test {
     pub transit: f64,
     /// Impact velocities, m/s, one a case, increasing.
     pub velocities: Vec<f64>,
+    /// Which curve that is: `static`, or `adiabatic` with heat.
+    pub curve: &'static str,
     /// Of the curve, m/s.
     pub critical_velocity: f64,
-    /// Plastic strain at the maximum of the curve: the elongation of a slow test over the gauge length.
+    /// Plastic strain at the maximum of the curve: the elongation over the gauge length of a test without waves.
     pub static_elongation: f64,
 }
 
@@ -124,6 +126,7 @@ impl Test {
         Ok(Self {
             sweep: Sweep::of_scene(name, document, path, axes, Combine::Zip, metrics, fields)?,
             static_elongation: strain - stress / segment.material.modulus,
+            curve: if segment.material.is_adiabatic() { "adiabatic" } else { "static" },
             critical_velocity: velocity,
             material: row.material,
             velocities,

@@ -45,6 +45,8 @@ pub struct Results {
     pub material: String,
     /// Gauge length.
     pub length_m: f64,
+    /// The curve of the next two: `static`, or `adiabatic` with heat.
+    pub curve: &'static str,
     /// Of the curve.
     pub critical_velocity_m_s: f64,
     /// Plastic strain at the maximum of the curve.
@@ -82,6 +84,7 @@ pub fn results(test: &Test, folder: &Path) -> Result<Results> {
     Ok(Results {
         material: test.material.clone(),
         length_m: test.length,
+        curve: test.curve,
         critical_velocity_m_s: test.critical_velocity,
         static_elongation: test.static_elongation,
         largest_elongation: largest.map(|(elongation, _)| elongation),

@@ -49,7 +49,8 @@ energies! {
     heat: "plastic work converted to heat since the start",
     /// Plastic work of the overstress of a rate-dependent bar since the start, as far as it did not turn into heat.
     viscoplastic: "work of the overstress of a rate-dependent bar since the start",
-    /// Taken since the start by the method itself, shocks excluded: by the grid filter or the merging of fronts; 0 in an elastic run.
+    /// Taken since the start by the method itself, shocks excluded: by the grid filter, the merging of fronts, or where faces or
+    /// bodies meet within a step; 0 in an elastic run without such.
     numerical: "energy dissipated since the start by the numerical method",
     /// What the staggered grid holds between two of its half steps, of either sign and of first order in the cell size: velocities are
     /// known half a step before and after the stresses, forces of ends and joints act in halves, and a cell that goes from one side of its

@@ -43,11 +43,6 @@ impl Joint {
         self.contact.as_ref()
     }
 
-    /// Lost by faces that met, J.
-    pub fn lost(&self) -> f64 {
-        self.contact.map_or(0.0, |contact| contact.lost())
-    }
-
     /// Gives both sides what seems to lie beyond: as free ends if the cells pull at each other, else with the gradients that one force
     /// and one velocity at the joint ask for, elastically. (Not whether it was open in the step before: of faces that only touch,
     /// rounding says that.)

@@ -110,9 +110,9 @@ impl Muscl {
 
     /// Energies and momentum now. `numerical` is the scheme's own dissipation outside shocks.
     pub fn energies(&self) -> Energies {
-        let concentrated = self.joints.iter().map(Joint::lost).sum();
-        let numerical = self.ends.iter().map(|end| end.work - end.work_on_face).sum();
-        let mut total = Energies { numerical, concentrated, ..Energies::default() };
+        let joints: f64 = self.contacts().map(|(_, contact)| contact.lost()).sum();
+        let ends: f64 = self.ends.iter().map(|end| end.work - end.work_on_face).sum();
+        let mut total = Energies { numerical: joints + ends, ..Energies::default() };
         for block in &self.blocks {
             let part = &self.parts[block.part];
             let own = GHOSTS..block.sigma.len() - GHOSTS;

@@ -86,11 +86,6 @@ impl Joint {
     pub fn contact(&self) -> Option<&Contact> {
         self.contact.as_ref()
     }
-
-    /// Energy lost where the sides met, J.
-    pub fn lost(&self) -> f64 {
-        self.contact.map_or(0.0, |contact| contact.lost())
-    }
 }
 
 /// How a segment answers at its left (0) or right (1) border before that flows.

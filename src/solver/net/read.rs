@@ -117,9 +117,9 @@ impl Net {
     /// of the overstress.
     pub fn energies(&self) -> Energies {
         let dt = self.grid.dt;
-        let concentrated = self.joints.iter().map(Joint::lost).sum();
-        let numerical = self.ends.iter().map(End::lost).sum();
-        let mut total = Energies { numerical, concentrated, ..Energies::default() };
+        let joints: f64 = self.contacts().map(|(_, contact)| contact.lost()).sum();
+        let ends: f64 = self.ends.iter().map(End::lost).sum();
+        let mut total = Energies { numerical: joints + ends, ..Energies::default() };
         for part in &self.parts {
             let mut work = part.work;
             let (mut squares, mut speeds, mut momentum) = (0.0, 0.0, 0.0);

@@ -4,6 +4,9 @@ use crate::common::binary;
 
 use std::path::Path;
 
+use barwave::assemble;
+use barwave::scene::Scene;
+use barwave::solver::fd::Quantity;
 use binary::barwave;
 use serde_json::Value;
 
@@ -96,6 +99,33 @@ fn a_fast_rate_law_gives_the_static_value_and_a_slow_one_more() {
     assert!((fast - 1.0).abs() < 0.02, "{fast}");
     assert!(slow > 1.02, "{slow}");
     assert!(velocity("1e4", "100 mm") > slow, "a shorter bar has less time");
+}
+
+/// The strain was read when the wave from the far end had unloaded the cells already: 58.2 m/s, where runs at 57.5 m/s exceed the strain.
+#[test]
+fn the_apparent_critical_velocity_is_that_of_runs_before_the_wave_returns() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let row = json(folder.path(), &["critical", "steel-s7-jc", "--rate", "--length", "200 mm"]).remove(0);
+    let apparent = &row["apparent"];
+    let [holds, breaks] = ["holds_m_s", "breaks_m_s"].map(|key| number(&apparent["grid"][key]));
+    let limit = number(&apparent["strain_limit"]);
+    // Of all times up to the return of the wave to the end.
+    let largest = |velocity: f64| {
+        let text = format!(
+            "[bar]\nlength = 0.2\narea = 1\nmaterial = \"steel-s7-jc\"\n[left]\nkind = \"velocity\"\nvalue = {}\n[right]\nkind = \
+             \"free\"\n[effects]\nhardening = \"isotropic\"\nrate = \"material\"\n[solve]\nuntil = 1e-4\nmethod = \"fd\"\ncells = \
+             400\ncfl = 1\n",
+            -velocity
+        );
+        let scene = Scene::parse("steel.toml", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
+        let mut bar = assemble::leapfrog(&scene, 400, 1.0);
+        let mean = |_| {
+            bar.advance_by(1);
+            (0..4).map(|cell| bar.value(Quantity::Strain, cell)).sum::<f64>() / 4.0
+        };
+        (0..800).map(mean).fold(0.0, f64::max)
+    };
+    assert!(largest(holds) <= limit && largest(breaks) > limit, "{holds} {breaks}");
 }
 
 #[test]

@@ -193,6 +193,12 @@ impl History {
         if next < self.time.len() && self.time[next] == t { self.value[next] } else { self.at(t) }
     }
 
+    /// Time of the first row with another value than `rest`, s; that of the last row, if there is none.
+    pub fn begins(&self, rest: f64) -> f64 {
+        let first = self.value.iter().position(|&value| value != rest);
+        self.time[first.unwrap_or(self.time.len() - 1)]
+    }
+
     /// Rate of change just after `t`, apart from jumps, 1/s.
     pub fn rate(&self, t: f64) -> f64 {
         let next = self.time.partition_point(|&row| row <= t);

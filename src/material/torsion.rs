@@ -113,7 +113,7 @@ impl Material {
     /// This material, known in tension, in shear by von Mises' rule, from its true curve: tau = sigma/sqrt(3), plastic shear strain sqrt(3) times plastic
     /// strain, G = E/(2 (1 + nu)). A twisted section does not shrink, so nothing necks: past the largest engineering stress in tension, the curve goes on as
     /// that in compression does, if both are one true curve; else its data end there. Straight segments of an engineering table are curved in shear, and get
-    /// knots so that the table is within [`SHEAR_TOLERANCE`]. Tables made of a law or of true stresses have rows enough.
+    /// knots so that the table is within 3e-5 of the largest shear stress. Tables made of a law or of true stresses have rows enough.
     ///
     /// # Errors
     /// What is missing.

@@ -111,6 +111,9 @@ fn steady_for(scene: &Scene) -> f64 {
     [(&scene.left, 0, 0), (&scene.right, last, 1)].into_iter().map(of_end).fold(f64::INFINITY, f64::min)
 }
 
+/// By how much heavier a striker is that no bar slows down.
+const NEVER_SLOWED: f64 = 1e6;
+
 /// The scene, but that no load lessens; none where none does.
 fn holding(scene: &Scene) -> Option<Scene> {
     let (mut held, last) = (scene.clone(), scene.bar.segments.len() - 1);
@@ -118,13 +121,13 @@ fn holding(scene: &Scene) -> Option<Scene> {
         match end {
             EndCondition::Velocity { history, .. } => *history = history.holding(scene.bar.segments[segment].velocity),
             EndCondition::Stress { history } => *history = history.holding(0.0),
-            EndCondition::Striker { velocity, .. } => {
-                *end = EndCondition::Velocity { history: History::constant(*velocity), release: None };
-            }
+            EndCondition::Striker { mass, .. } => *mass *= NEVER_SLOWED,
             _ => {}
         }
     }
-    let changes = |end: &EndCondition, held: &EndCondition| end.history() != held.history();
+    let changes = |end: &EndCondition, held: &EndCondition| {
+        matches!(end, EndCondition::Striker { .. }) || end.history() != held.history()
+    };
     (changes(&scene.left, &held.left) || changes(&scene.right, &held.right)).then_some(held)
 }
 

@@ -166,6 +166,18 @@ impl InitialFan {
         Self { holds_until: self.holds_until.min(steady), unloads: Unloads::AlongCurve, ..self }
     }
 
+    /// The same in a segment that yields again once its stress has fallen by this `range`, Pa: only while the load is steady where it may fall farther.
+    #[must_use]
+    pub fn unloading_within(self, range: f64, at: &Segment) -> Self {
+        let (part, material) = (self.can_lose(at.material.c0()), &at.material);
+        let falls = match self.driver {
+            Driver::Stress => part * self.changes()[0],
+            _ => part * self.fan.velocity * material.density * self.slowing(material.c0()),
+        };
+        let steady = if falls > range { self.lessens_from } else { f64::INFINITY };
+        Self { holds_until: self.holds_until.min(steady), ..self }
+    }
+
     /// Speeds of the waves that unload the bar behind it, and of the front that throws them back, m/s; `c0` is that of elastic waves.
     pub fn unloading_speeds(&self, c0: f64) -> [f64; 2] {
         let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);

@@ -113,8 +113,11 @@ fn examine(seed: u64, scenes: usize, check: &(dyn Fn(&Spec) -> Checked + Sync)) 
     tally.into_inner().expect("no panic while it was held")
 }
 
-/// Failures as they are found, and how far a long test has come.
+/// Failures as they are found, runs that the added energy stops, and how far a long test has come.
 fn report_progress(scene: usize, scenes: usize, started: Instant, seed: u64, checked: &Checked) {
+    for (method, became) in checked.became.iter().filter(|(_, became)| became.word().contains("added energy")) {
+        eprintln!("scene {seed} {method:?} {}", became.word());
+    }
     for (method, failure) in &checked.failures {
         eprintln!("scene {seed} {method:?}: {}: {}", failure.class, failure.detail);
     }

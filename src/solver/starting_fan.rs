@@ -66,8 +66,9 @@ pub struct StartingFan {
     pub velocity_behind: f64,
     /// Stress behind it, Pa, tension positive.
     pub stress: f64,
-    /// Of waves that unload the bar, Pa s/m.
+    /// Of waves that unload the bar, and what a steady change of velocity makes of both waves, Pa s/m.
     impedance: f64,
+    slow_impedance: f64,
     /// Length over which fronts that are not elastic are ramps, m.
     ramp: f64,
     /// When it starts, s.
@@ -118,6 +119,7 @@ impl StartingFan {
             velocity_behind,
             stress,
             impedance: density * speeds[0],
+            slow_impedance: density * initial_fan.slowing(wave_speed),
             ramp: ramp * dx,
             from: initial_fan.from,
             by_wave,
@@ -261,7 +263,7 @@ impl StartingFan {
     /// How its end answers at a time, s after its start: the stress (Pa) of an end that moves with [`Self::velocity_behind`], and by how much it
     /// falls in size with the velocity, Pa s/m.
     pub fn answer(&self, time: f64) -> [f64; 2] {
-        let Some(unloading) = &self.unloading else { return [self.stress, self.impedance] };
+        let Some(unloading) = &self.unloading else { return [self.stress, self.slow_impedance] };
         let [factor, summand] = unloading.stress_for_velocity(time);
         [self.stress + self.direction() * self.impedance * summand, factor * self.impedance]
     }

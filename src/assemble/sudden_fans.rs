@@ -42,8 +42,8 @@ const SHARP_STEPS: f64 = 3.0;
 
 /// A load rises within so few steps of `dt` (s) that its waves are sharp.
 pub(super) fn rise_within_steps(scene: &Scene, dt: f64) -> bool {
-    let history = [&scene.left, &scene.right].into_iter().filter_map(EndCondition::history);
-    history.into_iter().any(|history| !history.rises(SHARP_STEPS * dt).is_empty())
+    let mut histories = [&scene.left, &scene.right].into_iter().filter_map(EndCondition::history);
+    histories.any(|history| !history.rises(SHARP_STEPS * dt).is_empty())
 }
 
 /// The fans that front tracking finds in a scene up to a time, s; those of loads that rise within some steps of `dt` (s) as if these jumped.

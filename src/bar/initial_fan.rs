@@ -133,6 +133,11 @@ impl InitialFan {
         slowest.map_or(0.0, |edge| delay + START_CELLS * dx / edge.speed)
     }
 
+    /// What drives it lessens while it holds.
+    pub fn lessens(&self) -> bool {
+        self.lessens_from < self.holds_until
+    }
+
     /// The same, driven by this end of a segment: for as long as what that imposes from `settled` (s) on stays as it is, or lessens and takes away only
     /// the slowest fronts.
     #[must_use]

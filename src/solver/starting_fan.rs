@@ -103,7 +103,7 @@ impl StartingFan {
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
         let first = if by_wave { started.round() } else { started.floor() };
         let fronts = fronts(initial_fan, wave_speed);
-        let slowest = fronts.last().filter(|_| initial_fan.lessens_from < initial_fan.holds_until);
+        let slowest = fronts.last().filter(|_| initial_fan.lessens());
         let speeds = initial_fan.unloading_speeds(wave_speed);
         let unloading = slowest.map(|front| Unloading::new(speeds, front.delay));
         Some(Self {

@@ -108,8 +108,7 @@ impl Leapfrog {
             return None;
         }
         let mut fan = StartingFan::new(initial_fan, c.cell_mass / c.cell_volume, &grid, RAMP)?;
-        let lessens = initial_fan.lessens_from < initial_fan.holds_until;
-        let least = match (lessens, initial_fan.from > 0.0) {
+        let least = match (initial_fan.lessens(), initial_fan.from > 0.0) {
             _ if fan.at_joint || fan.driver == Driver::Body => 0.0,
             (true, _) => LEAST_UNLOADED,
             (false, true) => LEAST_WIDE,

@@ -8,8 +8,8 @@
 
 use std::ops::Range;
 
-use crate::error::Result;
-use crate::input::Document;
+use crate::error::{InputError, Result};
+use crate::input::{Document, nearest};
 use crate::units::{self, Dimension};
 
 /// A cell with its bytes in the text. In cells of numbers the decimal mark is a point.
@@ -61,6 +61,73 @@ impl Table {
         cell.map_or("", |cell| cell.text.trim_matches(['(', ')', '[', ']']))
     }
 
+    /// The place of a column by its number, from 1, or its heading, in any case; `name_of` is what a heading says without the unit. `key` is
+    /// what named the column.
+    ///
+    /// # Errors
+    /// There is no such column, or there are several.
+    pub(crate) fn column(
+        &self,
+        document: &Document,
+        name: &str,
+        key: &str,
+        name_of: impl Fn(&str) -> String,
+    ) -> std::result::Result<usize, InputError> {
+        let error = |message: String| InputError::new(message).key(key);
+        if let Ok(number) = name.trim().parse::<usize>() {
+            let missing = || error(format!("there is no column {number} in {}", document.file));
+            let allowed = || missing().allowed(format!("1 to {}", self.width)).help("columns are counted from 1");
+            return (1..=self.width).contains(&number).then(|| number - 1).ok_or_else(allowed);
+        }
+        let Some(header) = &self.header else {
+            let help = "name the column by its number, from 1";
+            return Err(error(format!("`{name}`: {} has no headings", document.file)).help(help));
+        };
+        let wanted = name.trim().to_lowercase();
+        let titles = || header.cells.iter().map(|cell| cell.text.as_str());
+        let is_wanted = |title: &str| title.to_lowercase() == wanted || name_of(title).to_lowercase() == wanted;
+        let found: Vec<usize> = titles().enumerate().filter(|(_, title)| is_wanted(title)).map(|(k, _)| k).collect();
+        match found.as_slice() {
+            [one] => Ok(*one),
+            [] => {
+                let near = nearest(name, titles()).map(|near| format!("did you mean `{near}`?"));
+                let all = titles().map(|title| format!("`{title}`")).collect::<Vec<_>>().join(", ");
+                let help = near.unwrap_or_else(|| "name a heading, or a number from 1".into());
+                Err(error(format!("there is no column `{name}` in {}", document.file)).allowed(all).help(help))
+            }
+            many => {
+                let help = "name the column by its number, from 1";
+                Err(error(format!("{} columns are called `{name}`", many.len())).help(help))
+            }
+        }
+    }
+
+    /// Keeps these columns of every row, and makes points of their decimal commas.
+    ///
+    /// # Errors
+    /// A row without one of them, or a comma in a number whose meaning is not certain.
+    pub(crate) fn keep(&mut self, document: &Document, places: [usize; 2]) -> Result<()> {
+        let needed = places[0].max(places[1]);
+        for row in &mut self.rows {
+            if needed >= row.cells.len() {
+                let message = match row.cells.len() {
+                    1 => "this line has only 1 column".into(),
+                    count => format!("this line has {count} columns"),
+                };
+                let help =
+                    "remove the line, or complete it; if commas mark the decimals, separate the columns by semicolons";
+                let error = document.error(row.span.clone(), "", message);
+                return Err(error.allowed(format!("at least {} columns", needed + 1)).help(help).into());
+            }
+            row.cells = places.map(|place| row.cells[place].clone()).to_vec();
+        }
+        self.decimal_commas(document)
+    }
+
+    fn decimal_commas(&mut self, document: &Document) -> Result<()> {
+        decimal_commas(document, &mut self.rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())
+    }
+
     /// Makes points of the decimal commas of all rows.
     ///
     /// # Errors
@@ -69,10 +136,10 @@ impl Table {
         for row in &self.rows {
             let filled = row.cells.iter().filter(|cell| !cell.text.is_empty()).count();
             if row.cells.len() != self.width || filled != self.width {
-                return Err(wrong_count(document, row.span.clone(), filled, self.width, self.delimiter));
+                return Err(wrong_count(document, row.span.clone(), filled, self.width, self.delimiter).into());
             }
         }
-        decimal_commas(document, &mut self.rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())
+        self.decimal_commas(document)
     }
 }
 
@@ -149,14 +216,14 @@ fn is_unit(text: &str) -> bool {
             .contains(&true)
 }
 
-/// Reads all lines of a file with two columns.
+/// Reads all lines of a file with two columns. `of_more` is the help for files with more columns.
 ///
 /// # Errors
 /// A line with fewer or more than two columns, or a comma in a number whose meaning is not certain.
-pub(crate) fn read(document: &Document) -> Result<Columns> {
+pub(crate) fn read(document: &Document, of_more: &str) -> Result<Columns> {
     let delimiter = delimiter(&document.text);
-    let mut rows =
-        lines(&document.text).map(|(span, line)| pair(document, span, line, delimiter)).collect::<Result<Vec<_>>>()?;
+    let row = |(span, line)| pair(document, span, line, delimiter, of_more);
+    let mut rows = lines(&document.text).map(row).collect::<Result<Vec<_>>>()?;
     let named = rows.first().is_some_and(|row| row.cells.iter().all(|cell| is_name(&cell.text)));
     let header = named.then(|| rows.remove(0));
     decimal_commas(document, &mut rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())?;
@@ -247,23 +314,21 @@ fn cells(span: Range<usize>, line: &str, delimiter: char, least: usize) -> Line 
 }
 
 /// A line with two columns.
-fn pair(document: &Document, span: Range<usize>, line: &str, delimiter: char) -> Result<Row> {
+fn pair(document: &Document, span: Range<usize>, line: &str, delimiter: char, of_more: &str) -> Result<Row> {
     let Line { cells, span } = cells(span, line, delimiter, 2);
     let filled = cells.iter().filter(|cell| !cell.text.is_empty()).count();
     let all_filled = filled == cells.len();
     match <[Cell; 2]>::try_from(cells) {
         Ok(cells) if all_filled => Ok(Row { cells, span }),
-        _ => Err(wrong_count(document, span, filled, 2, delimiter)),
+        _ => {
+            let error = wrong_count(document, span, filled, 2, delimiter);
+            let help = if filled > 2 { format!("{}; {of_more}", error.help) } else { error.help.clone() };
+            Err(error.help(help).into())
+        }
     }
 }
 
-fn wrong_count(
-    document: &Document,
-    span: Range<usize>,
-    found: usize,
-    wanted: usize,
-    delimiter: char,
-) -> crate::error::Error {
+fn wrong_count(document: &Document, span: Range<usize>, found: usize, wanted: usize, delimiter: char) -> InputError {
     let all = if wanted == 2 { "two columns".to_owned() } else { format!("{wanted} columns") };
     let help = match (found, delimiter) {
         (1, _) => format!("separate the {all} by a comma, a semicolon, a tab or blanks"),
@@ -272,7 +337,7 @@ fn wrong_count(
     };
     let plural = if found == 1 { "" } else { "s" };
     let message = format!("this line has {found} column{plural}");
-    document.error(span, "", message).allowed(format!("{wanted} columns")).help(help).into()
+    document.error(span, "", message).allowed(format!("{wanted} columns")).help(help)
 }
 
 /// A word, as headers have them: no number, and nothing that starts like one.
@@ -326,7 +391,7 @@ fn remove_groups(numbers: &mut [&mut Cell]) {
 ///
 /// # Errors
 /// A comma whose meaning is not certain.
-pub(crate) fn decimal_commas(document: &Document, numbers: &mut [&mut Cell]) -> Result<()> {
+fn decimal_commas(document: &Document, numbers: &mut [&mut Cell]) -> Result<()> {
     remove_groups(numbers);
     let cells = || numbers.iter().map(|cell| &**cell);
     let Some(first) = cells().find(|cell| cell.text.contains(',')) else { return Ok(()) };
@@ -373,7 +438,7 @@ mod tests {
     use super::*;
 
     fn texts(text: &str) -> Vec<[String; 2]> {
-        let rows = read(&Document::new("a.csv", text)).expect("it is right").rows;
+        let rows = read(&Document::new("a.csv", text), "").expect("it is right").rows;
         rows.into_iter().map(|row| row.cells.map(|cell| cell.text)).collect()
     }
 
@@ -421,7 +486,7 @@ mod tests {
             ("1;1,234\n", "`1,234` can be 1.234 or 1234"),
             ("0;1,234,567\n", "more than one comma"),
         ] {
-            let error = read(&Document::new("a.csv", text)).expect_err(text).to_string();
+            let error = read(&Document::new("a.csv", text), "").expect_err(text).to_string();
             assert!(error.contains(words) && error.starts_with("a.csv:1: "), "{text}: {error}");
         }
     }
@@ -452,8 +517,8 @@ mod tests {
 
     #[test]
     fn headers_are_words() {
-        let columns = read(&Document::new("a.csv", "time [us],v\n1,2\n")).expect("it is right");
+        let columns = read(&Document::new("a.csv", "time [us],v\n1,2\n"), "").expect("it is right");
         assert_eq!((columns.header.map(|row| row.cells[0].span.clone()), columns.rows.len()), (Some(0..9), 1));
-        assert!(read(&Document::new("a.csv", "nan,nan\n1,2\n")).expect("two columns").header.is_none());
+        assert!(read(&Document::new("a.csv", "nan,nan\n1,2\n"), "").expect("two columns").header.is_none());
     }
 }

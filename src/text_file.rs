@@ -111,16 +111,20 @@ pub fn is_file(path: &Path) -> bool {
 /// # Errors
 /// What the file is instead of a text of at most [`MOST_BYTES`] in UTF-8.
 pub fn read(path: &Path) -> Result<String, InputError> {
-    let shown = path.display().to_string();
-    let text_of = |files: &NamedFiles| Some(files.texts.iter().find(|(stored, _)| *stored == shown)?.1.clone());
-    let text = match of_store(text_of) {
-        Some(stored) => stored.ok_or_else(|| {
-            cannot_read(&shown, "it was not stored with the scene", "give the path of the scene again")
-        })?,
+    let text = match from_store(path) {
+        Some(stored) => stored?,
         None => from_disk(path)?,
     };
-    record(&shown, &text);
+    record(&path.display().to_string(), &text);
     Ok(text)
+}
+
+/// The text of a stored file; none if files are read from the disk.
+fn from_store(path: &Path) -> Option<Result<String, InputError>> {
+    let shown = path.display().to_string();
+    let text = of_store(|files| files.texts.iter().find(|(stored, _)| *stored == shown).map(|(_, text)| text.clone()))?;
+    let missing = || cannot_read(&shown, "it was not stored with the scene", "give the path of the scene again");
+    Some(text.ok_or_else(missing))
 }
 
 /// The text of an instrument's record, and its encoding unless it is UTF-8: UTF-16 with a byte-order mark, or Latin-1, in which any bytes
@@ -129,7 +133,15 @@ pub fn read(path: &Path) -> Result<String, InputError> {
 /// # Errors
 /// As for [`read`].
 pub fn read_record(path: &Path) -> Result<(String, Option<&'static str>), InputError> {
-    let shown = path.display().to_string();
+    let (text, encoding) = match from_store(path) {
+        Some(stored) => (stored?, None),
+        None => record_from_disk(path)?,
+    };
+    record(&path.display().to_string(), &text);
+    Ok((text, encoding))
+}
+
+fn record_from_disk(path: &Path) -> Result<(String, Option<&'static str>), InputError> {
     let bytes = bytes_of(path)?;
     if let Some(text) = utf16(&bytes) {
         return Ok((text, Some("UTF-16")));
@@ -137,7 +149,7 @@ pub fn read_record(path: &Path) -> Result<(String, Option<&'static str>), InputE
     if !bytes.contains(&0) && std::str::from_utf8(&bytes).is_err() {
         return Ok((bytes.into_iter().map(char::from).collect(), Some("Latin-1")));
     }
-    Ok((decode(bytes, &shown)?, None))
+    Ok((decode(bytes, &path.display().to_string())?, None))
 }
 
 /// The text after a byte-order mark of UTF-16; none without one, and of what is no such text.

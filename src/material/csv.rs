@@ -42,7 +42,7 @@ struct Factors {
 /// both in the header and by the caller.
 pub(crate) fn read(path: &Path, unit: Option<f64>) -> Result<CsvTable> {
     let document = Document::read(path)?;
-    let columns = columns::read(&document)?;
+    let columns = columns::read(&document, "`barwave materials import` reads records with more columns")?;
     let factors = match &columns.header {
         Some(row) => header(&document, row, unit)?,
         None => Factors { strain: 1.0, stress: unit.unwrap_or(1.0) },

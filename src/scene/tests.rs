@@ -313,6 +313,44 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
     assert_eq!((error.key.as_str(), error.place.map(|p| p.file)), ("left.csv", Some("a.toml".into())));
 }
 
+#[test]
+fn histories_are_read_from_columns_of_records() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let record = "Model,X1\nRecord Length,5\n\nTIME (us),CH1 (V),Speed_ft/s\n-10,0,0\n-4,1,-20\n0,2,-40\n10,2,-40\n";
+    std::fs::write(folder.path().join("r.csv"), record).expect("written");
+    let read = |keys: &str| {
+        let text = base("").replace("value = \"-30 m/s\"", &format!("csv = {{ file = \"r.csv\"{keys} }}"));
+        Scene::parse("a.toml", &text, folder.path(), &[])
+    };
+    for keys in [
+        ", column = \"ch1\", start = \"-8 us\", scale = \"-20 ft/s\"",
+        ", column = 3, start = \"-8 us\"",
+        ", column = \"speed_ft/s\", time-column = 1, start = -8e-6",
+    ] {
+        let left = read(keys).unwrap_or_else(|e| panic!("{keys}: {e}")).left;
+        let EndCondition::Velocity { ref history, .. } = left else { panic!("{left:?}") };
+        // A third of the first rise is over as the run begins; then the rows of -4, 0 and 10 us.
+        for (time, feet) in [(0.0, -20.0 / 3.0), (4e-6, -20.0), (8e-6, -40.0), (18e-6, -40.0)] {
+            assert!((history.at(time) / 0.3048 - feet).abs() < 1e-12, "{keys}: {:?}", history.at(time) / 0.3048);
+        }
+        assert_eq!(history.time().len(), 4, "{keys}");
+    }
+    for (keys, file, line, part) in [
+        (", column = 3", "r.csv", 5, "the times of the record start below zero"),
+        (", start = \"-8 us\"", "r.csv", 4, "unknown unit `V`"),
+        (", column = 4", "a.toml", 6, "there is no column 4 in"),
+        (", column = \"CH2\"", "a.toml", 6, "there is no column `CH2` in"),
+        (", column = 3, start = \"11 us\"", "a.toml", 6, "the record ends at 10 us"),
+        (", column = 3, start = \"1 m\"", "a.toml", 6, "is a length, but a time"),
+    ] {
+        let Err(Error::Input(error)) = read(keys) else { panic!("{keys}: accepted") };
+        assert!(error.message.contains(part), "{keys}: {error}");
+        assert!(!error.help.is_empty(), "{keys}: {error}");
+        let place = error.place.expect("a place");
+        assert!(place.file.ends_with(file) && place.line() == line, "{keys}: {}:{}", place.file, place.line());
+    }
+}
+
 /// A scene with a word from every part of the language, as the ground for slips.
 fn ground() -> String {
     base(

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::heading::{self, Heading, Kind, Place};
 use crate::columns::{self, Cell, Line, Table};
 use crate::error::{Error, InputError, Result};
-use crate::input::{Document, nearest};
+use crate::input::Document;
 use crate::material::Measure;
 
 /// Which columns of a record are meant, by name or number (from 1), in which units, and the specimen's dimensions.
@@ -91,7 +91,7 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
     let strain =
         abscissa.size / divisor(&abscissa, reading.gauge_length, Kind::Extension, "--gauge-length", "gauge length")?;
     let stress = ordinate.size / divisor(&ordinate, reading.area, Kind::Force, "--area", "cross-section")?;
-    keep(&document, &mut table.rows, [abscissa.place, ordinate.place])?;
+    table.keep(&document, [abscissa.place, ordinate.place])?;
     let (mut rows, mut spans) = (Vec::new(), Vec::new());
     for line in &table.rows {
         rows.push((number(&document, &line.cells[0])? * strain, number(&document, &line.cells[1])? * stress));
@@ -194,7 +194,8 @@ fn choose(
     prefer: Measure,
 ) -> Result<(Kind, usize)> {
     if let Some((kind, name)) = asked {
-        return Ok((*kind, by_name(document, table, name, *kind)?));
+        let key = format!("--{}-column", kind.name());
+        return Ok((*kind, table.column(document, name, &key, |title| heading::split(title).name)?));
     }
     let option = format!("--{}-column or --{}-column", kinds[0].name(), kinds[1].name());
     let Some(header) = &table.header else {
@@ -282,45 +283,6 @@ fn whole(table: &Table, place: usize) -> Heading {
     heading
 }
 
-/// The place of a column by its number or heading, with or without the unit, in any case.
-fn by_name(document: &Document, table: &Table, name: &str, kind: Kind) -> Result<usize> {
-    let key = format!("--{}-column", kind.name());
-    if let Ok(number) = name.trim().parse::<usize>() {
-        return if (1..=table.width).contains(&number) {
-            Ok(number - 1)
-        } else {
-            let message = format!("there is no column {number}");
-            let error = InputError::new(message).key(key).allowed(format!("1 to {}", table.width));
-            Err(error.help("columns are counted from 1").into())
-        };
-    }
-    let Some(header) = &table.header else {
-        let error = InputError::new(format!("`{name}`: {} has no headings", document.file)).key(key);
-        return Err(error.help("name the column by its number, from 1").into());
-    };
-    let wanted = name.trim().to_lowercase();
-    let matches = |k: &usize| {
-        let full = header.cells[*k].text.to_lowercase();
-        full == wanted || whole(table, *k).name.to_lowercase() == wanted
-    };
-    let found: Vec<usize> = (0..header.cells.len()).filter(matches).collect();
-    let all: Vec<usize> = (0..header.cells.len()).collect();
-    match found.as_slice() {
-        [one] => Ok(*one),
-        [] => {
-            let near = nearest(name, header.cells.iter().map(|cell| cell.text.as_str()));
-            let help =
-                near.map_or("name a heading, or a number from 1".into(), |near| format!("did you mean `{near}`?"));
-            let error = InputError::new(format!("there is no column `{name}` in {}", document.file)).key(key);
-            Err(error.allowed(titles(header, &all)).help(help).into())
-        }
-        many => {
-            let message = format!("{} columns are called `{name}`", many.len());
-            Err(InputError::new(message).key(key).help("name the column by its number, from 1").into())
-        }
-    }
-}
-
 /// The column with the SI size of its unit.
 fn unit(
     document: &Document,
@@ -387,28 +349,6 @@ fn divisor(column: &Column, given: Option<f64>, needs: Kind, option: &str, what:
                 .into())
         }
     }
-}
-
-/// Keeps two cells of each row, with decimal points.
-fn keep(document: &Document, rows: &mut [Line], places: [usize; 2]) -> Result<()> {
-    let needed = places[0].max(places[1]);
-    for row in rows.iter_mut() {
-        if needed >= row.cells.len() {
-            let count = row.cells.len();
-            let message = if count == 1 {
-                "this line has only 1 column".into()
-            } else {
-                format!("this line has {count} columns")
-            };
-            let help =
-                "remove the line, or complete it; if commas mark the decimals, separate the columns by semicolons";
-            let error =
-                document.error(row.span.clone(), "", message).allowed(format!("at least {} columns", needed + 1));
-            return Err(error.help(help).into());
-        }
-        row.cells = places.map(|place| row.cells[place].clone()).to_vec();
-    }
-    columns::decimal_commas(document, &mut rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())
 }
 
 fn number(document: &Document, cell: &Cell) -> Result<f64> {

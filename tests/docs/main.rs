@@ -208,6 +208,7 @@ fn the_reference_of_scene_keys_is_up_to_date() {
         section("`[[bar.segment]]`", "RawSegment"),
         section("Initial values from a file", "RawTableFile"),
         section("`[left]` and `[right]`", "RawEnd"),
+        section("A history from a record: `csv`", "RawHistoryRecord"),
         section("`[effects]`", "RawEffects"),
         section("`effects.rate`", "RawRate"),
         section("`effects.heat`", "RawHeat2"),

@@ -44,6 +44,12 @@ pub fn refused(page: &Page) -> (String, usize) {
     let folder = tempfile::tempdir().expect("a folder");
     let (mut wrong, mut count) = (String::new(), 0);
     let blocks = page.blocks();
+    // Records that scenes of the page read.
+    for block in blocks.iter().filter(|block| block.language == "csv") {
+        if let Some(name) = block.marked("file") {
+            std::fs::write(folder.path().join(name), block.text()).expect("a file");
+        }
+    }
     // A file that a command of the page reads is checked by that command.
     let console: String = blocks.iter().filter(|block| block.language == "console").map(Block::text).collect();
     let is_read = |block: &&Block| block.marked("file").is_some_and(|name| console.contains(&format!(" {name}")));

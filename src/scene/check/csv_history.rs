@@ -3,15 +3,13 @@
 //! A first line that holds no number names the columns; a unit in brackets there, `time [us]` or `stress (MPa)`, or behind an underscore, `time_us`, holds
 //! for its column. Without one numbers are SI.
 
+use std::ops::Range;
 use std::path::Path;
 
 use super::Checker;
-use super::ends::{ROWS, ROWS_HELP};
-use crate::bar::History;
 use crate::columns::{self, Cell};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Document, Number};
-use crate::typed::Placed;
 use crate::units::{Dimension, Quantity, one};
 
 /// Made of rows, or which of them is wrong, and why.
@@ -28,43 +26,43 @@ pub(super) struct Abscissa {
     pub dimension: Dimension,
     /// Names that a header may have.
     pub names: &'static [&'static str],
+    /// Help for a file with more than two columns.
+    pub of_more: &'static str,
+    /// Help for negative values.
+    pub of_negative: &'static str,
 }
 
-const TIME: Abscissa = Abscissa {
-    key: "time",
-    what: "a time",
-    example: "time [us]",
-    dimension: Dimension::Time,
-    names: &["t", "time", "times", "zeit", "temps", "tiempo", "tempo"],
-};
-
 impl Checker<'_> {
-    pub(super) fn csv_history(&self, path: &Placed<String>, key: &str, dimension: Dimension) -> Result<History> {
-        let history = |rows: &[(f64, f64)]| History::new(rows).map_err(|(i, fault)| (i, fault.over_time()));
-        self.csv_rows(path, key, &TIME, dimension, history, [ROWS, ROWS_HELP])
+    /// Opens a file that the scene names, with `read`; `span` is where its path stands.
+    pub(super) fn open<T>(
+        &self,
+        path: &str,
+        span: Range<usize>,
+        key: &str,
+        read: impl Fn(&Path) -> Result<T>,
+    ) -> Result<T> {
+        read(&self.base.join(path)).map_err(|e| match e {
+            Error::Input(error) => {
+                let (file, text) = (self.document.file.clone(), self.document.text.clone());
+                let relative = "the path is relative to the scene file".to_owned();
+                let help = if error.message.contains("no such file") { relative } else { error.help.clone() };
+                error.key(key).help(help).at(Place { file, text, span }).into()
+            }
+            other => other,
+        })
     }
 
     /// The rows of a file with two columns, which `make` makes something of, or says which row is wrong and why; `rules` are what rows obey,
     /// and how to write them.
     pub(super) fn csv_rows<T>(
         &self,
-        path: &Placed<String>,
-        key: &str,
+        (path, span, key): (&str, Range<usize>, &str),
         abscissa: &Abscissa,
         dimension: Dimension,
         make: impl Fn(&[(f64, f64)]) -> MadeOfRows<T>,
         rules: [&'static str; 2],
     ) -> Result<T> {
-        let file = self.base.join(Path::new(path.get_ref()));
-        let document = Document::read(&file).map_err(|e| match e {
-            Error::Input(error) => {
-                let (file, text) = (self.document.file.clone(), self.document.text.clone());
-                let relative = "the path is relative to the scene file".to_owned();
-                let help = if error.message.contains("no such file") { relative } else { error.help.clone() };
-                error.key(key).help(help).at(Place { file, text, span: path.span() }).into()
-            }
-            other => other,
-        })?;
+        let document = self.open(path, span, key, Document::read)?;
         read(&document, abscissa, dimension, make, rules)
     }
 }
@@ -76,7 +74,7 @@ fn read<T>(
     make: impl Fn(&[(f64, f64)]) -> MadeOfRows<T>,
     [rules, help]: [&'static str; 2],
 ) -> Result<T> {
-    let columns = columns::read(document)?;
+    let columns = columns::read(document, abscissa.of_more)?;
     let Abscissa { key, what, example, .. } = abscissa;
     if let Some(header) = columns.header.as_ref().filter(|row| !abscissa.is_named(&row.cells[0].text)) {
         let [first, second] = header.cells.each_ref().map(|cell| &cell.text);
@@ -96,7 +94,12 @@ fn read<T>(
         let number = |column: usize, key: &str, dimension, allowed| {
             document.number(&quantity(&row.cells[column], units[column]), key, dimension, allowed)
         };
-        let first = number(0, key, abscissa.dimension, Allowed::NotNegative)?;
+        let first = number(0, key, abscissa.dimension, Allowed::NotNegative).map_err(|e| match e {
+            Error::Input(error) if number(0, key, abscissa.dimension, Allowed::Finite).is_ok() => {
+                error.help(abscissa.of_negative).into()
+            }
+            other => other,
+        })?;
         pairs.push((first, number(1, "value", dimension, Allowed::Finite)?));
     }
     make(&pairs).map_err(|(i, why)| {
@@ -116,7 +119,7 @@ impl Abscissa {
 }
 
 /// The unit in `time [us]` or `time (us)`, or, of this dimension, in `time_us`.
-fn unit(header: &str, dimension: Dimension) -> Option<&str> {
+pub(super) fn unit(header: &str, dimension: Dimension) -> Option<&str> {
     let Some(open) = header.find(['[', '(']) else {
         return header.rsplit_once('_').map(|(_, unit)| unit.trim()).filter(|unit| one(unit, dimension).is_ok());
     };
@@ -124,7 +127,7 @@ fn unit(header: &str, dimension: Dimension) -> Option<&str> {
 }
 
 /// A cell is a number in its column's unit, or has a unit of its own.
-fn quantity(Cell { text, span }: &Cell, unit: Option<&str>) -> Number {
+pub(super) fn quantity(Cell { text, span }: &Cell, unit: Option<&str>) -> Number {
     let quantity = match (text.parse::<f64>(), unit) {
         (Ok(_), Some(unit)) => Quantity::Text(format!("{text} {unit}")),
         (Ok(number), None) => Quantity::Number(number),

@@ -34,6 +34,8 @@ const X: Abscissa = Abscissa {
     example: "x [mm]",
     dimension: Dimension::Length,
     names: &["x", "position", "place", "distance", "z"],
+    of_more: "write x and the value into a file of their own",
+    of_negative: "measure x from the left end of the bar or segment",
 };
 
 impl Checker<'_> {
@@ -73,7 +75,8 @@ impl Checker<'_> {
         }
         if let RawDistribution::Csv(file) = given.value {
             let make = |rows: &[(f64, f64)]| table(rows, length, allowed);
-            return self.csv_rows(&file.csv, key, &X, dimension, make, [ROWS, ROWS_HELP]);
+            let place = (file.csv.get_ref().as_str(), file.csv.span(), key);
+            return self.csv_rows(place, &X, dimension, make, [ROWS, ROWS_HELP]);
         }
         let pairs = self.rows(given, key, name)?;
         table(&pairs, length, allowed).map_err(|(i, why)| {

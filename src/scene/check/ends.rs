@@ -128,7 +128,7 @@ impl Checker<'_> {
 
     /// The history of a driven end, from exactly one of its three forms.
     fn history<D: Measure>(&self, keys: &RawHistory<'_, D>, site: &EndSite<'_>) -> Result<History> {
-        let (key, dimension) = (site.key, self.dimension::<D>());
+        let key = site.key;
         let forms = [
             ("value", keys.value.place()),
             ("history", keys.history.map(Placed::span)),
@@ -148,10 +148,10 @@ impl Checker<'_> {
                 self.error(span, &format!("{key}.{i}"), what).allowed(ROWS).help(ROWS_HELP).into()
             });
         }
-        if let Some(path) = keys.csv {
-            return self.csv_history(path, &format!("{key}.csv"), dimension);
+        if let Some(file) = keys.csv {
+            return self.history_file(file, &format!("{key}.csv"));
         }
-        let unit = dimension.example();
+        let unit = self.dimension::<D>().example();
         let help = format!("add value = \"{unit}\", or history = [[\"0 us\", \"{unit}\"], ...], or csv = \"file.csv\"");
         Err(self.missing(site.span.clone(), &format!("{key}.value"), &help))
     }

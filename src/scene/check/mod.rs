@@ -8,6 +8,7 @@ mod distribution;
 mod ends;
 mod hardening;
 mod heat;
+mod history_file;
 mod initial;
 mod magnitude;
 mod rate;

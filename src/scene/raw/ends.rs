@@ -9,6 +9,7 @@ use serde_json::json;
 use super::MaterialChoice;
 use super::along::Motion;
 use super::body::{BodyKeys, raw_body};
+use super::history_file::HistoryFile;
 use crate::error::Result;
 use crate::input::{Document, GivenKey, Table};
 use crate::typed::{Either, NotNegative, Of, Or, Placed, Plain, Poisson, Positive, Rows, keys_of};
@@ -175,8 +176,8 @@ macro_rules! driven {
             pub value: Option<Of<$measure>>,
             /// Rows [time, value]; linear between rows; a repeated time is a jump; the last value is held. Times never decrease.
             pub history: Option<Placed<Rows<measures::Time, $measure>>>,
-            /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A header line gives the names of the columns and, in brackets or behind an underscore, their units: `time [us],velocity [ft/s]` or `time_us,velocity_ft/s`.
-            pub csv: Option<Placed<String>>,
+            /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A header line gives the names of the columns and, in brackets or behind an underscore, their units: `time [us],velocity [ft/s]` or `time_us,velocity_ft/s`. Or columns of a record, as a table.
+            pub csv: Option<Placed<HistoryFile<$measure>>>,
             $($own)*
         }
 
@@ -193,7 +194,7 @@ macro_rules! driven {
 pub struct RawHistory<'a, D> {
     pub value: Option<&'a Of<D>>,
     pub history: Option<&'a Placed<Rows<measures::Time, D>>>,
-    pub csv: Option<&'a Placed<String>>,
+    pub csv: Option<&'a Placed<HistoryFile<D>>>,
 }
 
 driven! { StressEnd by measures::Stress {} }

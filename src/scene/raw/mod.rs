@@ -6,6 +6,7 @@ mod bar;
 mod body;
 mod effects;
 mod ends;
+mod history_file;
 mod record;
 mod solve;
 
@@ -19,6 +20,7 @@ pub(super) use bar::{INITIAL, MaterialChoice, Notch, RawBar, RawInitial, RawJoin
 pub(super) use body::{BodyKeys, raw_body};
 pub(super) use effects::{EffectsChoice, RateChoice, RawEffects, RawHardening, RawRupture};
 pub(super) use ends::{Ball, BallOnLever, EndKind, RawEnd, RawHistory};
+pub(super) use history_file::{Column, HistoryFile, RawHistoryRecord};
 pub(super) use record::{Gauges, MOST_FRAMES, RawRecord};
 pub use solve::MOST_EVENTS;
 pub(super) use solve::{MOST_CELLS, RawMethod, RawScheme, RawSolve};

@@ -216,8 +216,8 @@ pub(super) fn energy_units(area_given: bool) -> &'static str {
 }
 
 /// Growing columns of a group over the dimension [`SAMPLE`]; the first is time. Time is no dimension: readers of whole files want dimensions
-/// of one name to be one, and histories have other times than fields. It is no coordinate (CF: `coordinates`) either, because xarray takes
-/// such a one for that of the fields. A time may also come twice, at a jump.
+/// of one name to be one, and histories have other times than fields. It is no coordinate (CF: `coordinates`) either: rows of a group in
+/// `xarray.open_datatree` could then not be indexed, as the times of the fields are handed down to it. A time may also come twice, at a jump.
 fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     for [name, units, long_name] in columns {
         let builder = group.new_dataset::<f64>().fill_value(f64::NAN);

@@ -179,7 +179,9 @@ impl Journaled {
         if !changes.is_empty() {
             // A full disk has no room for a journal, but the changed pages are allocated: they are then written without it.
             let kept = File::create(&self.journal).and_then(|mut file| file.write_all(&journal(self.inode, &changes)));
-            for (at, bytes) in changes {
+            // What refers to other pages mostly stands before them. From the end on, a file cut off in between has few frames that refer to
+            // chunks without an entry, which programs that know nothing of the journal would read as missing values.
+            for (at, bytes) in changes.into_iter().rev() {
                 self.file.write_all_at(bytes, at)?;
             }
             if kept.is_ok() {

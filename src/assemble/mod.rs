@@ -148,15 +148,16 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
 /// The fans that ends and joints start with, and those that start there later.
 fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let unloading = |fan: InitialFan| {
-        let at = &scene.bar.segments[fan.segment];
         if is_followed_both_ways(&scene.effects) {
-            fan.unloading_along_curve()
-        } else if moves(&scene.effects) {
-            let yield_stress = Table::new(at.material.branch(fan.sense), at.material.modulus).yield_stress();
-            fan.unloading_within(2.0 * yield_stress, at)
-        } else {
-            fan
+            return fan.unloading_along_curve();
         }
+        let material = &scene.bar.segments[fan.segment].material;
+        let yields = if moves(&scene.effects) {
+            Table::new(material.branch(fan.sense), material.modulus).yield_stress()
+        } else {
+            fan.fan.stress
+        };
+        InitialFan { yields_after: 2.0 * yields, ..fan }
     };
     all_sudden_fans(scene, grid, late).into_iter().map(unloading).collect()
 }

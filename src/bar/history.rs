@@ -274,6 +274,16 @@ impl History {
         f64::INFINITY
     }
 
+    /// The largest part per time, in the mean from `from` on, by which the value falls back towards `rest` up to `until`, 1/s; times in s.
+    pub fn fades(&self, from: f64, rest: f64, until: f64) -> f64 {
+        let change = self.at(from) - rest;
+        let first = self.time.partition_point(|&row| row <= from);
+        let rows = self.time[first..].iter().zip(&self.value[first..]).map(|(&t, &v)| (t, v));
+        let last = until.is_finite().then(|| (until, self.before(until)));
+        let rate = |(t, v): (f64, f64)| (1.0 - (v - rest) / change) / (t - from);
+        rows.take_while(|row| row.0 < until).chain(last).filter(|row| row.0 > from).map(rate).fold(0.0, f64::max)
+    }
+
     /// The same, but that it does not fall back towards `rest` before it jumps or rises again.
     #[must_use]
     pub fn holding(&self, rest: f64) -> Self {

@@ -90,8 +90,12 @@ pub struct InitialFan {
     pub sudden: bool,
     /// From when on what drives it lessens while it holds, s, as a body does at once that the bar slows down; infinite where it does not.
     pub lessens_from: f64,
+    /// Part of it that is gone per time as it lessens, 1/s.
+    pub fades: f64,
     /// How it is unloaded then.
     pub unloads: Unloads,
+    /// Stress that the bar behind it can lose before it yields the other way, Pa; infinite where that is not looked at.
+    pub yields_after: f64,
     /// First time at which the driving value falls back (or is released), s; infinite where it never does.
     pub loads_until: f64,
     /// Time up to which what drives it stays as it is at t = 0, s: 0 where it grows from nothing. A striker is slowed down; it counts as
@@ -110,10 +114,8 @@ pub struct InitialFan {
 /// Part of the force of a striker that it may lose and still count as steady.
 const STEADY: f64 = 0.02;
 
-/// Part of its slowest fronts up to which a fan is followed as it is unloaded, and by how much slower than others these are: next to the slowest
-/// of them others hardly change how waves are thrown back.
+/// Part of its plastic fronts up to which a fan is followed as it is unloaded.
 const FOLLOWED: f64 = 0.9;
-const SLOW: f64 = 1.3;
 
 impl InitialFan {
     /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
@@ -147,21 +149,22 @@ impl InitialFan {
             Driver::Stress => self.sense.sign() * self.changes()[0],
             _ => -self.direction * self.sense.sign() * self.fan.velocity,
         };
-        let (until, lessens_from) = match end {
+        let (until, lessens_from, fades) = match end {
             EndCondition::Velocity { history, .. } | EndCondition::Stress { history } => {
                 let steady = history.stays_near(settled, history.at(settled), DRIFT * change.abs());
                 let falls = history.lessens_until(settled, history.at(settled) - change, part);
-                (steady.max(falls), if falls > steady { steady } else { f64::INFINITY })
+                let fades = history.fades(settled, history.at(settled) - change, falls);
+                if falls > steady { (falls, steady, fades) } else { (steady, f64::INFINITY, 0.0) }
             }
             EndCondition::Striker { mass, .. } => {
                 let area = at.end_areas()[usize::from(self.direction < 0.0)];
                 let decay = mass / (at.material.impedance() * area);
-                (self.from + part * decay, self.from + STEADY * decay)
+                (self.from + part * decay, self.from + STEADY * decay, 1.0 / decay)
             }
-            _ => (f64::INFINITY, f64::INFINITY),
+            _ => (f64::INFINITY, f64::INFINITY, 0.0),
         };
         let holds_until = self.holds_until.min(until - self.from);
-        Self { holds_until, lessens_from: lessens_from - self.from, ..self }
+        Self { holds_until, lessens_from: lessens_from - self.from, fades, ..self }
     }
 
     /// The same in a bar that is unloaded along its curve. How much of a stress it can lose then is not known.
@@ -171,38 +174,26 @@ impl InitialFan {
         Self { holds_until: self.holds_until.min(steady), unloads: Unloads::AlongCurve, ..self }
     }
 
-    /// The same in a segment that yields again once its stress has fallen by this `range`, Pa: only while the load is steady where it may fall farther.
-    #[must_use]
-    pub fn unloading_within(self, range: f64, at: &Segment) -> Self {
-        let (part, material) = (self.can_lose(at.material.c0()), &at.material);
-        let falls = match self.driver {
-            Driver::Stress => part * self.changes()[0],
-            _ => part * self.fan.velocity * material.density * self.slowing(material.c0()),
-        };
-        let steady = if falls > range { self.lessens_from } else { f64::INFINITY };
-        Self { holds_until: self.holds_until.min(steady), ..self }
-    }
-
-    /// Speeds of the waves that unload the bar behind it, and of the front that throws them back, m/s; `c0` is that of elastic waves.
-    pub fn unloading_speeds(&self, c0: f64) -> [f64; 2] {
+    /// Speed of the waves that unload the bar behind it, m/s; `c0` is that of elastic waves.
+    pub fn unloading_speed(&self, c0: f64) -> f64 {
         let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
-        [if self.unloads == Unloads::Elastically { c0 } else { slowest }, slowest]
+        if self.unloads == Unloads::Elastically { c0 } else { slowest }
     }
 
-    /// Stress that its end loses with its velocity as that falls steadily, over the density, m/s.
+    /// Stress that its end loses with its velocity as that falls steadily at first, over the density, m/s.
     pub fn slowing(&self, c0: f64) -> f64 {
-        let [waves, front] = self.unloading_speeds(c0);
+        let (waves, front) = (self.unloading_speed(c0), self.fan.edges.last().map_or(0.0, |edge| edge.speed));
         2.0 * front * waves * waves / (waves * waves + front * front)
     }
 
-    /// Part of what drives it that its end can lose before only fronts are left that are faster than the slowest.
+    /// Part of what drives it that its end can lose before its fronts are used up.
     fn can_lose(&self, c0: f64) -> f64 {
         let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
         let size = |edge: &Edge| match self.driver {
             Driver::Stress => edge.stress_behind - edge.stress_ahead,
             _ => edge.velocity_jump(),
         };
-        let slow = self.fan.edges.iter().filter(|edge| edge.speed < SLOW * slowest && !edge.is_elastic(c0));
+        let plastic = self.fan.edges.iter().filter(|edge| !edge.is_elastic(c0));
         // What is left of a loss at the front.
         let [squared, squared_slow] = [c0 * c0, slowest * slowest];
         let arrives = match self.driver {
@@ -210,7 +201,7 @@ impl InitialFan {
             Driver::Stress => (squared - squared_slow) / (2.0 * squared),
             _ => (squared - squared_slow) / (squared + squared_slow),
         };
-        FOLLOWED * (slow.map(size).sum::<f64>() / (arrives * self.fan.edges.iter().map(size).sum::<f64>())).min(1.0)
+        FOLLOWED * (plastic.map(size).sum::<f64>() / (arrives * self.fan.edges.iter().map(size).sum::<f64>())).min(1.0)
     }
 
     /// It starts at the same place before another one, and what drives it holds for some time.
@@ -391,7 +382,9 @@ fn of_end(imposed: Imposed, origin: Origin, x: f64, segment: usize, at: &Segment
         waves_before: 0,
         sudden: imposed.sudden,
         lessens_from: f64::INFINITY,
+        fades: 0.0,
         unloads: Unloads::Elastically,
+        yields_after: f64::INFINITY,
         loads_until: imposed.loads_until,
         holds_until: imposed.holds_until,
         driver: imposed.driver,
@@ -553,7 +546,9 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
                 waves_before: 0,
                 sudden: true,
                 lessens_from: f64::INFINITY,
+                fades: 0.0,
                 unloads: Unloads::Elastically,
+                yields_after: f64::INFINITY,
                 loads_until: f64::INFINITY,
                 holds_until: f64::INFINITY,
                 driver: Driver::Velocity,

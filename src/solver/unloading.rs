@@ -1,31 +1,72 @@
 //! How a load that lessens unloads the bar behind the fan that it has started.
 //!
 //! The end sends an elastic wave F(t) after the slowest front, which travels with the speed c. The front, weakened along its chord, throws a part of
-//! it back: with r = (c0 - c)/(c0 + c), what comes to the end at the time t left it at r t, and is r F(r t). At the distance x the bar has lost the
-//! velocity F(t - x/c0) + r F(r (t + x/c0)) and the stress rho c0 (F(t - x/c0) - r F(r (t + x/c0))). In a bar that is unloaded along its curve c takes
-//! the place of c0, and r is 0.
+//! it back: with r = (c0 - c)/(c0 + c), what has met it and comes to the end at the time t left it at r t, and is r F(r t). Once F has used the front up, the
+//! next one does the same: what comes back, G, grows with the r of that front, and comes from where that front is. At the distance x the bar has lost
+//! the velocity F(t - x/c0) + G(t + x/c0) and the stress rho c0 (F(t - x/c0) - G(t + x/c0)). In a bar that is unloaded along its curve the speed of
+//! the slowest front takes the place of c0, and G is 0.
 
 use serde::{Deserialize, Serialize};
+
+/// A front that is weakened.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Front {
+    /// Over that of the waves that unload the bar.
+    speed: f64,
+    /// When it leaves the end, s after the start of its fan.
+    delay: f64,
+    /// F that uses it up, with all slower ones, m/s.
+    lasts: f64,
+}
+
+impl Front {
+    /// Part of F that it throws back.
+    fn throws_back(&self) -> f64 {
+        (1.0 - self.speed) / (1.0 + self.speed)
+    }
+
+    /// When a wave comes back to the end which has left it at a time, s.
+    fn comes_back(&self, time: f64) -> f64 {
+        (time - self.delay) / self.throws_back() + self.delay
+    }
+
+    /// When a wave has left the end which comes back to it at a time, s.
+    fn has_left(&self, time: f64) -> f64 {
+        (time - self.delay) * self.throws_back() + self.delay
+    }
+}
 
 /// The waves behind a fan.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Unloading {
     /// Of the waves that unload the bar, m/s.
     wave_speed: f64,
-    /// r.
-    thrown_back: f64,
-    /// When the slowest front leaves the end, s after the start of its fan.
-    start: f64,
-    /// Times after that (s), and F then, m/s; first 0 at 0.
+    /// The slowest first.
+    fronts: Vec<Front>,
+    /// Times after the start of the fan (s), and F then, m/s; first 0 as the slowest front leaves.
     sent: Vec<[f64; 2]>,
+    /// Times at which what has been sent comes back, and G then, m/s.
+    back: Vec<[f64; 2]>,
 }
 
 impl Unloading {
-    /// Of a bar that nothing has unloaded yet, in which waves of unloading and the slowest front have these speeds (m/s); the front leaves the end `start`
-    /// (s) after the start of the fan. Waves that are no faster than it never reach it.
-    pub fn new([wave_speed, front]: [f64; 2], start: f64) -> Self {
-        let thrown_back = (wave_speed - front) / (wave_speed + front);
-        Self { wave_speed, thrown_back, start, sent: vec![[0.0; 2]] }
+    /// Of a bar that nothing has unloaded yet, in which unloading waves have this speed (m/s). Of its `fronts`, the slowest first, are given the speed
+    /// (m/s), when they leave the end (s after the start of the fan), and the velocity that they bring, m/s. Waves that are no faster than a front never
+    /// reach it.
+    pub fn new(wave_speed: f64, fronts: impl IntoIterator<Item = [f64; 3]>) -> Self {
+        let (mut weakened, mut lasts): (Vec<Front>, f64) = (Vec::new(), 0.0);
+        let mut start = None;
+        for [speed, delay, velocity] in fronts {
+            start.get_or_insert(delay);
+            let speed = speed / wave_speed;
+            if speed >= 1.0 {
+                break;
+            }
+            lasts += 0.5 * (1.0 + speed) * velocity.abs();
+            weakened.push(Front { speed, delay, lasts });
+        }
+        let start = [start.unwrap_or(0.0), 0.0];
+        Self { wave_speed, fronts: weakened, sent: vec![start], back: vec![start] }
     }
 
     /// The stress that an end loses at `time` (s) which has lost a velocity, over rho c0: factor and summand, m/s.
@@ -38,40 +79,74 @@ impl Unloading {
     /// The end has lost this velocity (m/s) at `time`, s.
     pub fn note_velocity(&mut self, time: f64, lost: f64) {
         let [known, part] = self.coming_back(time);
-        self.sent.push([time - self.start, (lost - known) / (1.0 + part)]);
+        self.send(time, (lost - known) / (1.0 + part));
     }
 
     /// The end has lost this stress over rho c0 (m/s) at `time`, s.
     pub fn note_stress(&mut self, time: f64, lost: f64) {
         let [known, part] = self.coming_back(time);
-        self.sent.push([time - self.start, (lost + known) / (1.0 - part)]);
+        self.send(time, (lost + known) / (1.0 - part));
     }
 
     /// What the bar has lost at this distance (m) at `time` (s): velocity, and stress over rho c0, m/s.
     pub fn lost(&self, distance: f64, time: f64) -> [f64; 2] {
-        let (time, travels) = (time - self.start, distance / self.wave_speed);
-        let after = self.at(time - travels);
-        let back = self.thrown_back * self.at(self.thrown_back * (time + travels));
+        let travels = distance / self.wave_speed;
+        let [after, back] = [at(&self.sent, time - travels), at(&self.back, time + travels)];
         [after + back, after - back]
     }
 
     /// The wave that comes back to the end at a time, from what is known of F before (m/s), and as part of F at that time.
     fn coming_back(&self, time: f64) -> [f64; 2] {
-        let (time, [last, sent]) = (time - self.start, self.sent[self.sent.len() - 1]);
-        let left = self.thrown_back * time;
-        let part = ((left - last) / (time - last)).max(0.0);
-        let known = if part > 0.0 { (1.0 - part) * sent } else { self.at(left) };
-        [self.thrown_back * known, self.thrown_back * part]
+        let ([last, sent], [arrives, back]) = (self.sent[self.sent.len() - 1], self.back[self.back.len() - 1]);
+        match self.weakened_by(sent) {
+            // It leaves the end only in this step.
+            Some(front) if time > last && time > arrives => {
+                let part = front.throws_back() * (front.has_left(time) - last).max(0.0) / (time - last);
+                [back - part * sent, part]
+            }
+            _ => [at(&self.back, time), 0.0],
+        }
     }
 
-    /// F at a time, s after the slowest front has left.
-    fn at(&self, time: f64) -> f64 {
-        let next = self.sent.partition_point(|sent| sent[0] <= time);
-        match (next.checked_sub(1).map(|k| self.sent[k]), self.sent.get(next)) {
-            (None, _) => 0.0,
-            (Some([_, last]), None) => last,
-            (Some([t0, f0]), Some([t1, f1])) => f0 + (f1 - f0) * ((time - t0) / (t1 - t0)),
+    /// The front that F weakens, of those that are left.
+    fn weakened_by(&self, sent: f64) -> Option<&Front> {
+        self.fronts.get(self.fronts.partition_point(|front| front.lasts <= sent.abs()))
+    }
+
+    /// The end sends F at a time, s.
+    fn send(&mut self, time: f64, wave: f64) {
+        let [last, before] = self.sent[self.sent.len() - 1];
+        let used_up = |front: &&Front| front.lasts > before.abs() && front.lasts < wave.abs();
+        let ends: Vec<Front> = self.fronts.iter().filter(used_up).copied().collect();
+        for front in ends {
+            let part = (front.lasts - before.abs()) / (wave.abs() - before.abs());
+            self.meet(last + part * (time - last), before + part * (wave - before), front);
+            // The next front is farther away.
+            if let Some(&next) = self.fronts.get(self.fronts.partition_point(|other| other.lasts <= front.lasts)) {
+                self.meet(last + part * (time - last), before + part * (wave - before), next);
+            }
         }
+        match self.weakened_by(before.abs().max(wave.abs())).copied() {
+            Some(front) => self.meet(time, wave, front),
+            None => self.sent.push([time, wave]),
+        }
+    }
+
+    /// F, sent at a time (s), meets a front.
+    fn meet(&mut self, time: f64, wave: f64, front: Front) {
+        let ([_, before], [arrives, back]) = (self.sent[self.sent.len() - 1], self.back[self.back.len() - 1]);
+        self.sent.push([time, wave]);
+        self.back.push([front.comes_back(time).max(arrives), back + front.throws_back() * (wave - before)]);
+    }
+}
+
+/// A value at a time, between rows of both.
+fn at(rows: &[[f64; 2]], time: f64) -> f64 {
+    let next = rows.partition_point(|row| row[0] <= time);
+    match (next.checked_sub(1).map(|k| rows[k]), rows.get(next)) {
+        (None, _) => 0.0,
+        (Some([_, last]), None) => last,
+        (Some([t0, f0]), Some([t1, f1])) => f0 + (f1 - f0) * ((time - t0) / (t1 - t0)),
     }
 }
 
@@ -84,7 +159,7 @@ mod tests {
     const DT: f64 = 1e-7;
 
     fn unloaded(lost: impl Fn(f64) -> f64) -> Unloading {
-        let mut unloading = Unloading::new([C0, FRONT], 0.0);
+        let mut unloading = Unloading::new(C0, [[FRONT, 0.0, 100.0]]);
         for step in 0..400 {
             let time = (f64::from(step) + 0.5) * DT;
             let [factor, summand] = unloading.stress_for_velocity(time);
@@ -113,10 +188,33 @@ mod tests {
         }
     }
 
+    /// Front after front: between two of them nothing comes back, and each is weakened by what the slower ones have left of the waves.
+    #[test]
+    fn fronts_are_used_up_one_after_another() {
+        let [slow, fast] = [[600.0, 3e-6, 2.0], [1200.0, 1e-6, 1e9]];
+        let mut unloading = Unloading::new(C0, [slow, fast]);
+        let lost = |time: f64| 1e5 * (time - 3e-6).max(0.0);
+        for step in 0..800 {
+            let time = 3e-6 + (f64::from(step) + 0.5) * DT;
+            unloading.note_velocity(time, lost(time));
+        }
+        let at = |[speed, delay, _]: [f64; 3], time: f64| unloading.lost(speed * (time - delay), time);
+        // The slow one has lost what it brought as the waves reach it that use it up.
+        let gone = (0..8000).map(|k| f64::from(k) * 1e-8).find(|&time| at(slow, time)[0] >= 2.0).expect("a time");
+        let [velocity, stress] = at(slow, gone);
+        assert!((C0 * stress / (600.0 * velocity) - 1.0).abs() < 1e-2, "{velocity} {stress}");
+        // What is lost at the fast one is that of the slow one, along the chord of that, and more along its own.
+        for time in [5e-5, 7e-5] {
+            let [velocity, stress] = at(fast, time);
+            let own = C0 * stress - 600.0 * 2.0;
+            assert!(velocity > 2.0 && (own / (1200.0 * (velocity - 2.0)) - 1.0).abs() < 1e-2, "{velocity} {stress}");
+        }
+    }
+
     #[test]
     fn a_stress_that_lessens_is_that_of_the_velocity() {
         let by_velocity = unloaded(|t| 5e9 * t * t + 1e4 * t);
-        let mut by_stress = Unloading::new([C0, FRONT], 0.0);
+        let mut by_stress = Unloading::new(C0, [[FRONT, 0.0, 100.0]]);
         for step in 0..400 {
             let time = (f64::from(step) + 0.5) * DT;
             by_stress.note_stress(time, by_velocity.lost(0.0, time)[1]);

@@ -165,8 +165,8 @@ impl Leapfrog {
         let middle = time + 0.5 * dt;
         if time >= 0.0 && !fan.grows_at(time) {
             match fan.driver {
-                Driver::Stress => fan.carry(middle, end.stress_ahead()),
-                _ => fan.lose(middle, end.velocity_of_body()),
+                Driver::Stress => fan.carry(self.step, middle, end.stress_ahead()),
+                _ => fan.lose(self.step, middle, end.velocity_of_body()),
             }
             fan.placed -= fan.slowed(middle) * dt;
         }

@@ -4,6 +4,7 @@
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, InputError};
 use crate::inputs;
@@ -87,7 +88,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     make_folder(path)?;
     let target = resolve(path)?;
     let mut name = target.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
+    name.push(format!(".{}.part", writer_number()));
     let temporary = target.with_file_name(name);
     std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, target)).map_err(|e| {
         // Nothing more can be done where even the leftover cannot be removed; the first error is the one to tell.
@@ -96,6 +97,12 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     })?;
     log_written(path, bytes.len());
     Ok(())
+}
+
+/// A number that no other writer of a file has while it writes: that of the process, and one within it.
+pub(crate) fn writer_number() -> String {
+    static WRITERS: AtomicU64 = AtomicU64::new(0);
+    format!("{}-{}", std::process::id(), WRITERS.fetch_add(1, Ordering::Relaxed))
 }
 
 /// Writes a file that must not exist, whole or not at all; `exists` is the error where it does.

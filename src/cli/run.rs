@@ -16,7 +16,7 @@ use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::inputs;
 use crate::record::Summary;
-use crate::record::store::{self, Existing, StoredScene};
+use crate::record::store::{self, StoredScene};
 use crate::run::{self, Progress};
 use crate::scene::{ImpactScene, Problem};
 use crate::text_file;
@@ -162,10 +162,7 @@ fn run_scene(
         Problem::Impact(scene) => return run_impact(args, &scene, &path),
     };
     scene.solve.estimate_error = args.estimate_error;
-    show(args, &path, |progress| match every {
-        Some(every) => run::run_with_checkpoints(&scene, &path, every, progress),
-        None => run::run(&scene, Some(&path), progress),
-    })
+    show(args, &path, |progress| run::to_checked_file(&scene, &path, every, progress))
 }
 
 /// Options of a run in progress.
@@ -267,7 +264,7 @@ fn run_impact(args: &Args, scene: &ImpactScene, path: &Path) -> Result<()> {
     }
     let (stop, bar) = (interrupt::flag(), progress_bar(args.quiet || args.json));
     bar.set_length(TICKS);
-    let summary = run::run_impact(scene, Some(path), &mut |part| {
+    let summary = run::impact_to_checked_file(scene, Some(path), &mut |part| {
         bar.set_position((TICKS as f64 * part) as u64);
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
@@ -316,22 +313,12 @@ fn check_output(output: &Path, force: bool) -> Result<()> {
         let message = "a result file (HDF5) cannot be written to standard output";
         return Err(InputError::new(message).key("-o").help("give a file name, such as result.h5").into());
     }
-    match store::existing(&destination::resolve(output)?) {
-        Existing::InUse => {
-            let message = std::format!("the output {} is being written by another run", output.display());
-            return Err(InputError::new(message)
-                .help("choose another name with -o, or wait until that run has ended")
-                .into());
-        }
-        Existing::Other if !force => {
-            let message = std::format!("the output {} already exists and is not a result file", output.display());
-            return Err(InputError::new(message)
-                .help("choose another name with -o, or replace that file with --force")
-                .into());
-        }
-        Existing::Other | Existing::Nothing | Existing::Result => {}
-    }
-    Ok(())
+    destination::resolve(output)?;
+    store::check_output(output, force).map_err(|error| {
+        let options = "-o names another file, --force replaces one that is not a result";
+        let help = std::format!("{}; {options}", error.help);
+        error.help(help).into()
+    })
 }
 
 /// A bar on stderr where that is a terminal, otherwise a hidden one.

@@ -5,15 +5,27 @@ use std::time::Instant;
 
 use crate::error::{Error, Result};
 use crate::impact::Watch;
-use crate::record::store::{Header, write_impact};
+use crate::record::store::{Header, check_output, write_impact};
 use crate::record::{ImpactSummary, MaterialRecord};
 use crate::scene::ImpactScene;
 
-/// Solves the impact and writes a result file if requested. `watch` receives the completed fraction.
+/// Solves the impact and writes a result file if requested, with its missing folders; as for [`super::run`] it replaces only another result.
+/// `watch` receives the completed fraction.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `watch` breaks off, the result so far being in the file; a file error where the result cannot be written.
+/// [`Error::Interrupted`] where `watch` breaks off, the result so far being in the file; a file error where the result cannot be written; an
+/// [`InputError`](crate::error::InputError) where `output` is what a result must not replace.
 pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) -> Result<ImpactSummary> {
+    output.map_or(Ok(()), |path| check_output(path, false))?;
+    impact_to_checked_file(scene, output, watch)
+}
+
+/// The same, to a file that the caller has checked.
+pub(crate) fn impact_to_checked_file(
+    scene: &ImpactScene,
+    output: Option<&Path>,
+    watch: Watch<'_>,
+) -> Result<ImpactSummary> {
     let started = Instant::now();
     let mut solution = scene.problem.solve(watch);
     solution.warnings.extend(scene.notes());

@@ -18,6 +18,7 @@ mod stepped;
 mod tracked;
 mod trial;
 
+pub(crate) use impact::impact_to_checked_file;
 pub use impact::{plan_impact, run_impact};
 pub use output::Solution;
 pub use resume::{resume, run_with_checkpoints};
@@ -36,7 +37,7 @@ use crate::error::{Error, Result};
 use crate::impact::{contact_is_wide, contact_yields};
 use crate::law::rupture::{Rupture, Site};
 use crate::material::Sense;
-use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer};
+use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer, check_output};
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
     FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, ResidualProfile,
@@ -83,15 +84,30 @@ pub enum Progress {
 /// milliseconds. A scene with `effects = "auto"` is run again where an effect was missed; one with a tolerance is run by the
 /// method that reaches it cheapest. The last run stays in the file.
 ///
+/// Missing folders of `output` are made. A result file there, with its checkpoint, is replaced as soon as the run begins; any other file is
+/// refused. Of several runs to one path at the same time, the file is that of the last one to begin; the others end with a file error.
+///
 /// # Errors
 /// A [`crate::error::RunError`] if the run stops, [`Error::Interrupted`] if `progress` requests a stop, a file
-/// error where the result cannot be written. In the first two cases the result file holds everything up to then.
+/// error where the result cannot be written. In the first two cases the result file holds everything up to then. An
+/// [`InputError`](crate::error::InputError) where `output` is what a result must not replace, or is being written by another run.
 pub fn run(
     scene: &Scene,
     output: Option<&Path>,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
+    output.map_or(Ok(()), |path| check_output(path, false))?;
     begin(scene, Target { path: output, ..Target::default() }, progress)
+}
+
+/// The same to a file that the caller has checked, with checkpoints where `every` asks for some.
+pub(crate) fn to_checked_file(
+    scene: &Scene,
+    output: &Path,
+    every: Option<Duration>,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+) -> Result<Summary> {
+    begin(scene, Target { path: Some(output), every, ..Target::default() }, progress)
 }
 
 /// Simulates a scene as [`run`] does, without a file. With front tracking the summary has no audit, which needs a sixth of the time of a

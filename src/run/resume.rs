@@ -5,11 +5,13 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::chosen::Chosen;
-use super::{Progress, Target, begin};
+use super::{Progress, Target, begin, to_checked_file};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::Summary;
-use crate::record::store::{Checkpoint, Metadata, ResultFile, checkpoint_path, checksum, remove_checkpoint};
+use crate::record::store::{
+    Checkpoint, Metadata, ResultFile, check_output, checkpoint_path, checksum, remove_checkpoint,
+};
 use crate::scene::Scene;
 use crate::snapshot::unpack;
 use crate::text_file;
@@ -25,7 +27,8 @@ pub fn run_with_checkpoints(
     every: Duration,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
-    begin(scene, Target { path: Some(output), every: Some(every), ..Target::default() }, progress)
+    check_output(output, false)?;
+    to_checked_file(scene, output, Some(every), progress)
 }
 
 /// Resumes the run of a result file from its checkpoint. The result is that of an uninterrupted run, bit for bit. Without `every` the

@@ -45,6 +45,7 @@ mod joints;
 mod kinematic;
 mod later_loads;
 mod laws;
+mod library;
 mod magnitudes;
 mod material_files;
 mod moc_against_fd;

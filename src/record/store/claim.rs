@@ -63,7 +63,8 @@ pub(super) fn remove_unnamed(path: &Path) {
     let start = format!(".{}.", name.to_string_lossy());
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let found = entry.file_name().to_string_lossy().into_owned();
-        let process = found.strip_prefix(&start).and_then(|rest| rest.strip_suffix(".tmp"));
+        let writer = found.strip_prefix(&start).and_then(|rest| rest.strip_suffix(".tmp"));
+        let process = writer.and_then(|writer| writer.split('-').next());
         if process.is_some_and(|id| id.parse::<u32>().is_ok() && has_ended(id)) {
             // Whoever removes it first is right.
             let _ = std::fs::remove_file(entry.path());
@@ -77,12 +78,12 @@ fn has_ended(process: &str) -> bool {
     processes.join("self").exists() && !processes.join(process).exists()
 }
 
-/// `.NAME.<pid>.tmp` beside the final file, so that moving it is one step on the same disk.
+/// `.NAME.<pid>-<n>.tmp` beside the final file, so that moving it is one step on the same disk.
 fn temporary_name(path: &Path) -> Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| Error::file(path, "a result needs a file name"))?;
     let mut temporary = std::ffi::OsString::from(".");
     temporary.push(name);
-    temporary.push(format!(".{}.tmp", std::process::id()));
+    temporary.push(format!(".{}.tmp", destination::writer_number()));
     Ok(path.with_file_name(temporary))
 }
 

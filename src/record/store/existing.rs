@@ -5,10 +5,12 @@ use std::path::Path;
 
 use super::attributes::get_text;
 use super::shared::{NotOpened, SharedFile};
+use crate::destination;
+use crate::error::InputError;
 
 /// What a path holds before a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Existing {
+enum Existing {
     /// Nothing, or an empty file.
     Nothing,
     /// A result file, finished or not.
@@ -17,6 +19,22 @@ pub enum Existing {
     InUse,
     /// A file that barwave did not write, or can no longer read.
     Other,
+}
+
+/// Refuses a path at which a run would replace anything but a result; with `force` any other file may be replaced.
+///
+/// # Errors
+/// A file that another run writes, one that is not a result, or what [`destination::resolve`] refuses.
+pub fn check_output(path: &Path, force: bool) -> Result<(), InputError> {
+    let refuse = |what: &str, help: &str| {
+        Err(InputError::new(format!("the output {} {what}", path.display()))
+            .help(format!("choose another name, or {help}")))
+    };
+    match existing(&destination::resolve(path)?) {
+        Existing::InUse => refuse("is being written by another run", "wait until that run has ended"),
+        Existing::Other if !force => refuse("already exists and is not a result file", "move that file away"),
+        Existing::Other | Existing::Nothing | Existing::Result => Ok(()),
+    }
 }
 
 /// The first bytes of every HDF5 file.
@@ -39,7 +57,7 @@ pub fn is_hdf5(path: &Path) -> bool {
 }
 
 /// Looks at a regular file.
-pub fn existing(path: &Path) -> Existing {
+fn existing(path: &Path) -> Existing {
     if !path.exists() {
         return Existing::Nothing;
     }

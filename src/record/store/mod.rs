@@ -18,7 +18,7 @@
 //! - NaN means "not there": fields that were never reached by the writer, fronts that could not be followed.
 //!
 //! # When is it complete
-//! The file is built under a temporary name beside its final one (`.OUT.h5.<pid>.tmp`): attributes, axes, materials,
+//! The file is built under a temporary name beside its final one (`.OUT.h5.<pid>-<n>.tmp`): attributes, axes, materials,
 //! empty datasets. Only then does it take its final name, in one step, replacing an older result. So a start that
 //! fails leaves an older result alone and nothing under the final name, and from then on the final name always holds
 //! a file that opens, with `outcome = "running"` until [`Writer::finish`] writes the true outcome as its last act.
@@ -64,7 +64,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 pub use checkpoint::{Checkpoint, Rows, checksum, path_of as checkpoint_path, remove as remove_checkpoint};
-pub use existing::{Existing, existing, is_hdf5};
+pub use existing::{check_output, is_hdf5};
 pub use impact::{StoredColumn, StoredImpact, StoredTable, write_impact};
 pub use read::{Gauge, Metadata, ResultFile, StoredScene};
 pub use ruptures::StoredRupture;

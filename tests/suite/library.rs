@@ -1,0 +1,69 @@
+//! The library as other programs use it.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use barwave::error::{Error, Result};
+use barwave::record::Summary;
+use barwave::record::store::ResultFile;
+use barwave::run;
+use barwave::scene::{Problem, Scene, SceneBuilder};
+
+fn pulled() -> SceneBuilder {
+    Scene::builder()
+        .set("bar.length", 0.5)
+        .set("bar.diameter", "20 mm")
+        .set("bar.material", "copper-annealed")
+        .set("left.kind", "velocity")
+        .set("left.value", "-20 m/s")
+        .set("right.kind", "free")
+        .set("solve.until", "50 us")
+        .set("solve.cells", 100)
+}
+
+fn run_to(scene: &Scene, path: &Path) -> Result<Summary> {
+    run::run(scene, Some(path), &mut |_| ControlFlow::Continue(()))
+}
+
+const SPHERES: &str = "[spheres]\nradius = 0.01\nmaterial = \"mild-steel\"\npoisson = 0.3\n[striker]\nradius = 0.01\n\
+                       velocity = 1\nmaterial = \"mild-steel\"\npoisson = 0.3\n";
+
+#[test]
+fn only_results_are_replaced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (table, scene) = (folder.path().join("table.csv"), pulled().build().expect("a right scene"));
+    std::fs::write(&table, "1,2\n").expect("written");
+    std::fs::write(folder.path().join("spheres.toml"), SPHERES).expect("written");
+    let Ok(Problem::Impact(impact)) = Problem::read(&folder.path().join("spheres.toml"), &[]) else {
+        panic!("an impact")
+    };
+    let interval = std::time::Duration::from_secs(60);
+    let refused = [
+        run_to(&scene, &table).map(|_| ()),
+        run::run_with_checkpoints(&scene, &table, interval, &mut |_| ControlFlow::Continue(())).map(|_| ()),
+        run::run_impact(&impact, Some(&table), &mut |_| ControlFlow::Continue(())).map(|_| ()),
+    ];
+    for ended in refused {
+        let Err(Error::Input(error)) = ended else { panic!("{ended:?}") };
+        assert!(error.message.contains("is not a result file") && !error.help.contains("--"), "{error:?}");
+    }
+    assert_eq!(std::fs::read(&table).expect("it is still there"), b"1,2\n");
+    let result = folder.path().join("new/folder/out.h5");
+    for _ in 0..2 {
+        run_to(&scene, &result).expect("folders are made, and a result is replaced");
+    }
+}
+
+#[test]
+fn runs_to_one_path_leave_the_result_of_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, scene) = (folder.path().join("out.h5"), pulled().build().expect("a right scene"));
+    let ended: Vec<Result<Summary>> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| run_to(&scene, &path))).collect();
+        threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+    });
+    assert!(ended.iter().any(Result::is_ok), "{ended:?}");
+    assert_eq!(ResultFile::open(&path).expect("a result").metadata().outcome, "done");
+    let left = std::fs::read_dir(folder.path()).expect("a folder").count();
+    assert_eq!(left, 1, "nothing else is left");
+}

@@ -14,7 +14,6 @@ use std::process::Command;
 use std::time::Instant;
 
 use barwave::assemble;
-use barwave::bar::EndCondition;
 use barwave::scene::Scene;
 use barwave::solver::fd::Quantity;
 
@@ -138,8 +137,8 @@ const LONG_CELLS: usize = 1_000_000;
 
 /// A bar of [`LONG_CELLS`] with free ends, all of which moves; on so many threads.
 fn run_long(problem: Problem, waves: usize, threads: usize) -> Outcome {
-    let mut scene = problem.scene(LONG_CELLS);
-    (scene.left, scene.right) = (EndCondition::Free, EndCondition::Free);
+    let free = problem.scene(LONG_CELLS).with(&["left={ kind = \"free\" }", "right={ kind = \"free\" }"]);
+    let scene = free.unwrap_or_else(|e| panic!("{e}"));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(|| {
         let velocity = |x: f64| problem.velocity() * (2.0 * std::f64::consts::PI * waves as f64 * x).sin();

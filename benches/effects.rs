@@ -50,8 +50,8 @@ fn of_steel(area: &str, velocity: f64, effects: &str) -> f64 {
 
 /// Time of all looks of the audit at a bar of which all has yielded that will, over the time of stepping it.
 fn share_of_audit(cells: usize, rates: &str) -> f64 {
-    let mut scene = scene(-20.0, "", &format!("beyond = \"extend\"\n{rates}"), "");
-    scene.solve.until = 3e-4;
+    let scene = scene(-20.0, "", &format!("beyond = \"extend\"\n{rates}"), "");
+    let scene = scene.with(&["solve.until=3e-4"]).unwrap_or_else(|e| panic!("{e}"));
     let mut bar = assemble::leapfrog(&scene, cells, 1.0);
     let off = Off { unloading: true, rate: true, heat: true, rupture: true, lateral_inertia: true };
     let (until, ends) = (scene.solve.until, [&scene.left, &scene.right]);

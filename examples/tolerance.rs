@@ -13,7 +13,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use barwave::record::Summary;
-use barwave::run::{self};
+use barwave::run;
+use barwave::scene::Method;
 use barwave::study::cost::{Cost, CostToTolerance, Hooks, Whole, cost};
 use known::{Known, held_out, known};
 
@@ -55,12 +56,10 @@ fn stepping(case: &Known, summary: &Summary) -> f64 {
 
 /// One row: a scene to a tolerance, by the method that is chosen or by the one that is `alone`.
 fn row(set: &str, case: &Known, uncertainty: f64, study: Option<&Cost>, alone: Option<&str>, tolerance: f64) {
-    let mut scene = case.scene(&format!("tolerance = {tolerance:e}"));
-    if let (Some(alone), Some(asked)) = (alone, &mut scene.solve.tolerance) {
-        asked.methods.retain(|method| method.names()[1] == alone);
-        if asked.methods.is_empty() {
-            return;
-        }
+    let meant = |method: &Method| alone.is_none_or(|alone| method.names()[1] == alone);
+    let scene = case.scene(&format!("tolerance = {tolerance:e}")).with_methods(meant);
+    if scene.solve.tolerance.as_ref().is_none_or(|asked| !asked.methods.iter().all(meant)) {
+        return;
     }
     let head = format!("{set},\"{}\",{},{tolerance:e}", case.name, alone.unwrap_or("any"));
     let started = Instant::now();

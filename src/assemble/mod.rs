@@ -179,7 +179,7 @@ fn all_sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
 /// The scene with its segments as long as they are to a scheme on this grid.
 fn as_stepped(scene: &Scene, grid: &Grid) -> Scene {
     let mut scene = scene.clone();
-    for (segment, part) in scene.bar.segments.iter_mut().zip(&grid.segments) {
+    for (segment, part) in scene.parts.bar.segments.iter_mut().zip(&grid.segments) {
         segment.length *= part.dx / part.spacing;
     }
     scene

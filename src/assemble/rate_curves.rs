@@ -31,10 +31,10 @@ const GONE: f64 = 3.0;
 /// The scene with a bar that takes no time to flow, on the curves of its rate law at a `time` (s) after a load.
 pub(super) fn taking_no_time(scene: &Scene, time: f64) -> Scene {
     let mut scene = scene.clone();
-    for segment in &mut scene.bar.segments {
-        lift(Arc::make_mut(&mut segment.material), &scene.effects, time);
+    for segment in &mut scene.parts.bar.segments {
+        lift(Arc::make_mut(&mut segment.material), &scene.parts.effects, time);
     }
-    (scene.effects.rate, scene.effects.heat) = (None, None);
+    (scene.parts.effects.rate, scene.parts.effects.heat) = (None, None);
     scene
 }
 

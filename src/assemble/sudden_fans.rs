@@ -117,7 +117,7 @@ const NEVER_SLOWED: f64 = 1e6;
 /// The scene, but that no load lessens; none where none does.
 fn holding(scene: &Scene) -> Option<Scene> {
     let (mut held, last) = (scene.clone(), scene.bar.segments.len() - 1);
-    for (end, segment) in [(&mut held.left, 0), (&mut held.right, last)] {
+    for (end, segment) in [(&mut held.parts.left, 0), (&mut held.parts.right, last)] {
         match end {
             EndCondition::Velocity { history, .. } => *history = history.holding(scene.bar.segments[segment].velocity),
             EndCondition::Stress { history } => *history = history.holding(0.0),
@@ -134,7 +134,7 @@ fn holding(scene: &Scene) -> Option<Scene> {
 /// The scene, but that loads jump as they begin to rise within some steps of `dt`, s.
 fn jumping(scene: &Scene, dt: f64) -> Scene {
     let mut scene = scene.clone();
-    for end in [&mut scene.left, &mut scene.right] {
+    for end in [&mut scene.parts.left, &mut scene.parts.right] {
         if let EndCondition::Velocity { history, .. } | EndCondition::Stress { history } = end {
             *history = history.jumping(&history.rises(MOST_STEPS * dt));
         }
@@ -296,7 +296,7 @@ const FIRST: f64 = 1e-9;
 /// The waves of springs that the first wave brings about: a wall would send the same fronts, but for the first.
 fn when_waves_arrive(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let mut held = super::as_stepped(scene, grid);
-    for end in [&mut held.left, &mut held.right] {
+    for end in [&mut held.parts.left, &mut held.parts.right] {
         if matches!(end, EndCondition::Spring { .. }) {
             *end = EndCondition::Fixed;
         }
@@ -348,9 +348,10 @@ fn in_halves(scene: &Scene) -> Scene {
         }
     };
     let mut halves = scene.clone();
-    halves.bar.segments = scene.bar.segments.iter().flat_map(|segment| [half(segment, 0), half(segment, 1)]).collect();
+    halves.parts.bar.segments =
+        scene.bar.segments.iter().flat_map(|segment| [half(segment, 0), half(segment, 1)]).collect();
     // Nothing has broken yet.
-    halves.effects.rupture = None;
+    halves.parts.effects.rupture = None;
     halves
 }
 

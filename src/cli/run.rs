@@ -161,7 +161,7 @@ fn run_scene(
         Problem::Bar(scene) => *scene,
         Problem::Impact(scene) => return run_impact(args, &scene, &path),
     };
-    scene.solve.estimate_error = args.estimate_error;
+    scene.parts.solve.estimate_error = args.estimate_error;
     show(args, &path, |progress| run::to_checked_file(&scene, &path, every, progress))
 }
 

@@ -11,7 +11,7 @@ use crate::assemble;
 use crate::bar::InitialFan;
 use crate::error::{Error, Result};
 use crate::record::{self, ErrorFigure, ErrorTable, Stepped};
-use crate::scene::{Method, Scene, Solve};
+use crate::scene::{Method, Scene};
 use crate::snapshot::Snapshot;
 use crate::solver::moc::Settings;
 use std::ops::ControlFlow;
@@ -76,7 +76,7 @@ pub(super) fn coarse(
     instants: &[f64],
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Option<Coarse> {
-    let scene = Scene { solve: Solve { method, ..scene.solve.clone() }, ..scene.clone() };
+    let scene = scene.by(method);
     let scene = &scene.in_pieces().unwrap_or(scene);
     assemble::solve(scene, Task { scene, instants, progress })
 }

@@ -66,7 +66,7 @@ pub(super) fn run(
         let summary = accurate(&scene, target, progress)?;
         let (decided, again) = decide(&scene, &summary.audit, round, progress)?;
         if !again {
-            let choices = decided.auto.map(|auto| auto.choices);
+            let choices = decided.parts.auto.map(|auto| auto.choices);
             return Ok(Summary { auto: choices, ..summary });
         }
         (scene, target, round) = (decided, next, round + 1);
@@ -81,7 +81,7 @@ pub(super) fn chosen(mut scene: Scene, choices: &[AutoChoice]) -> Result<Scene> 
     if choices.iter().any(|choice| choice.on) {
         return with(&scene, choices);
     }
-    if let Some(auto) = &mut scene.auto {
+    if let Some(auto) = &mut scene.parts.auto {
         auto.choices = choices.to_vec();
     }
     Ok(scene)
@@ -138,7 +138,7 @@ fn take(scene: &Scene, choice: &AutoChoice) -> (Scene, bool) {
         last.why = format!("{}; but it cannot be simulated here: {}", last.why, first_line(&refusal));
     }
     let mut next = scene.clone();
-    if let Some(auto) = &mut next.auto {
+    if let Some(auto) = &mut next.parts.auto {
         auto.choices = all;
     }
     (next, false)
@@ -158,7 +158,7 @@ fn with(scene: &Scene, choices: &[AutoChoice]) -> Result<Scene> {
             std::iter::once(effects.clone()).chain(extra.iter().map(|&s| s.to_owned())).collect();
         match scene.with_changes(&changes) {
             Ok(mut next) => {
-                if let Some(auto) = &mut next.auto {
+                if let Some(auto) = &mut next.parts.auto {
                     auto.choices = choices.to_vec();
                 }
                 return Ok(next);

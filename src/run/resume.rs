@@ -75,7 +75,7 @@ fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
         let message = "this program resolves the scene differently from the one that started the run";
         return Err(wrong(output, message, "resume with the program that started it, or run its scene again"));
     }
-    scene.solve.estimate_error = checkpoint.estimate_error;
+    scene.parts.solve.estimate_error = checkpoint.estimate_error;
     Ok((scene, checkpoint, chosen))
 }
 

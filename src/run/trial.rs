@@ -4,7 +4,7 @@ use super::history_places;
 use super::limits::limits;
 use crate::assemble;
 use crate::record::{Stepped, Traces};
-use crate::scene::{Method, Scene, Solve};
+use crate::scene::{Method, Scene};
 use crate::simulate::{Interval, Simulation, Solver, simulate};
 use crate::snapshot::Snapshot;
 use crate::solver::fd::Sampling;
@@ -140,7 +140,7 @@ impl Course {
 
 /// The course of a scene by a method, for [`LIMIT`] at the longest.
 fn follow(scene: &Scene, method: Method) -> Course {
-    let scene = &Scene { solve: Solve { method, ..scene.solve.clone() }, ..scene.clone() };
+    let scene = &scene.by(method);
     assemble::solve(scene, Task { scene })
 }
 

@@ -1,11 +1,68 @@
 //! A scene with changed keys, to compare effects, methods or resolutions.
 
 use super::overrides::Overrides;
-use super::{Scene, check};
+use super::{Method, Scene, SceneParts, check};
 use crate::error::Result;
 use crate::input::Document;
 
 impl Scene {
+    /// The scene with keys changed, each `KEY=VALUE` as for [`Scene::read`], on top of its overrides: its text and files are read again,
+    /// everything is checked again, and defaults follow. The changes are among the overrides in the result file.
+    ///
+    /// ```
+    /// use barwave::scene::Scene;
+    ///
+    /// let scene = Scene::builder()
+    ///     .set("bar.length", 1.0)
+    ///     .set("bar.material", "mild-steel")
+    ///     .set("left.kind", "velocity")
+    ///     .set("left.value", -5.0)
+    ///     .set("right.kind", "free")
+    ///     .set("solve.until", 1e-4)
+    ///     .build()?;
+    /// let faster = scene.with(&["left.value=-20 m/s", "solve.cells=2000"])?;
+    /// assert_eq!(faster.solve.method.cells(), Some(2000));
+    /// assert!(scene.with(&["bar.length=-1"]).is_err());
+    /// # Ok::<(), barwave::error::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`Scene::read`].
+    pub fn with(&self, changes: &[impl AsRef<str>]) -> Result<Self> {
+        let changes = changes.iter().map(|change| change.as_ref().to_owned());
+        let all: Vec<String> = self.overrides.iter().cloned().chain(changes).collect();
+        let file = self.path.as_ref().map_or_else(|| format!("{}.toml", self.name), |path| path.display().to_string());
+        let mut scene = Self::parse(&file, &self.text, &self.base, &all)?;
+        scene.parts.path.clone_from(&self.path);
+        scene.parts.solve.estimate_error = self.solve.estimate_error;
+        Ok(scene)
+    }
+
+    /// The scene whose run estimates its error, as with `--estimate-error`.
+    #[must_use]
+    pub fn with_error_estimate(mut self) -> Self {
+        self.parts.solve.estimate_error = true;
+        self
+    }
+
+    /// A scene with a tolerance, to be run by these of the methods that can do it alone. Unchanged where none of them is meant.
+    #[must_use]
+    pub fn with_methods(mut self, meant: impl Fn(&Method) -> bool) -> Self {
+        if let Some(tolerance) = &mut self.parts.solve.tolerance
+            && tolerance.methods.iter().any(&meant)
+        {
+            tolerance.methods.retain(meant);
+        }
+        self
+    }
+
+    /// The scene by another method that can do it.
+    pub(crate) fn by(&self, method: Method) -> Self {
+        let mut scene = self.clone();
+        scene.parts.solve.method = method;
+        scene
+    }
+
     /// The scene's text, with its overrides, has this key.
     pub(crate) fn names(&self, key: &str) -> bool {
         let document = Document::new(self.name.as_str(), self.text.as_str());
@@ -24,8 +81,8 @@ impl Scene {
         let edited = Overrides::new(&all)?.apply(&document)?;
         let mut checked = check::check(&edited, &self.base)?;
         super::find_methods(&mut checked, &edited, &self.base);
-        checked.solve.estimate_error = self.solve.estimate_error;
-        Ok(Self {
+        checked.parts.solve.estimate_error = self.solve.estimate_error;
+        let parts = SceneParts {
             title: self.title.clone(),
             name: self.name.clone(),
             path: self.path.clone(),
@@ -33,8 +90,9 @@ impl Scene {
             text: self.text.clone(),
             overrides: self.overrides.clone(),
             auto: self.auto.clone(),
-            ..checked
-        })
+            ..checked.parts
+        };
+        Ok(Self { parts })
     }
 }
 

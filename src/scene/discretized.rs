@@ -71,13 +71,13 @@ impl Scene {
     #[must_use]
     pub fn discretized_finer_than(&self, share: f64) -> Self {
         let mut scene = self.clone();
-        scene.bar.segments.clear();
+        scene.parts.bar.segments.clear();
         let (mut of, mut notches, mut joint_notches) = (Vec::new(), Vec::new(), Vec::new());
         for (k, segment) in self.bar.segments.iter().enumerate() {
             let pieces = pieces(self, segment, share);
             let last = pieces.len() - 1;
             for (i, piece) in pieces.into_iter().enumerate() {
-                scene.bar.segments.push(piece);
+                scene.parts.bar.segments.push(piece);
                 of.push(k);
                 if let Some(rupture) = &self.effects.rupture {
                     notches.push(rupture.notches[k]);
@@ -85,13 +85,13 @@ impl Scene {
                 }
             }
         }
-        if let Some(rupture) = &mut scene.effects.rupture {
+        if let Some(rupture) = &mut scene.parts.effects.rupture {
             (rupture.notches, rupture.joint_notches) = (notches, joint_notches);
         }
         let (mut steps, mut largest_step) = (0, 0.0_f64);
         if self.initial_state_needs_steps() {
             let largest = largest_sizes(&scene.bar);
-            for segment in &mut scene.bar.segments {
+            for segment in &mut scene.parts.bar.segments {
                 let Some(profile) = &segment.profile else { continue };
                 let (borders, step) = borders(segment, profile, largest, share);
                 steps += borders.len() - 2;
@@ -102,7 +102,7 @@ impl Scene {
         let joints = scene.bar.segments.windows(2).zip(of.windows(2)).filter(|(_, of)| of[0] == of[1]);
         let reflected = |pair: &[Segment]| ((pair[1].area - pair[0].area) / (pair[1].area + pair[0].area)).abs();
         let reflects = joints.map(|(pair, _)| reflected(pair)).fold(0.0, f64::max);
-        scene.discretized =
+        scene.parts.discretized =
             Some(Box::new(TaperDiscretization { original: self.clone(), of, share, reflects, largest_step, steps }));
         scene
     }

@@ -16,6 +16,7 @@ mod overrides;
 mod raw;
 mod resolved;
 
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -69,8 +70,7 @@ impl Problem {
 
     fn of_source(source: Source<'_>, path: &Path, kind: Option<&Kind>) -> Result<Self> {
         let Some(kind) = kind else {
-            let scene = Scene::of_source(source)?;
-            return Ok(Self::Bar(Box::new(Scene { path: Some(path.to_owned()), ..scene })));
+            return Ok(Self::Bar(Box::new(Scene::of_source(source)?.at(path))));
         };
         let checked = impacts::check(kind, source.edited, source.base);
         let mut scene = checked.map_err(|e| source.typed.explain(e, source.document))?;
@@ -135,9 +135,24 @@ fn folder(path: &Path) -> PathBuf {
     path.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
-/// A checked scene. Every default is filled in.
+/// A checked scene: what it holds ([`SceneParts`]) can be read, and is changed by its keys alone ([`Scene::with`]), so that a run can rely on
+/// it and the text in the result file is that of the run.
 #[derive(Debug, Clone)]
 pub struct Scene {
+    pub(crate) parts: SceneParts,
+}
+
+impl Deref for Scene {
+    type Target = SceneParts;
+
+    fn deref(&self) -> &SceneParts {
+        &self.parts
+    }
+}
+
+/// What a checked scene holds. Every default is filled in.
+#[derive(Debug, Clone)]
+pub struct SceneParts {
     /// Title; by default the stem of the file.
     pub title: String,
     /// The file's stem: names the default output.
@@ -360,8 +375,13 @@ impl Scene {
     /// # Errors
     /// Input errors only: the first thing that is wrong, with its place.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
-        let scene = Self::from_document(&Document::read_scene(path)?, &folder(path), overrides)?;
-        Ok(Self { path: Some(path.to_owned()), ..scene })
+        Ok(Self::from_document(&Document::read_scene(path)?, &folder(path), overrides)?.at(path))
+    }
+
+    /// The same, read from this file.
+    fn at(mut self, path: &Path) -> Self {
+        self.parts.path = Some(path.to_owned());
+        self
     }
 
     /// A scene put together key by key.
@@ -395,10 +415,10 @@ impl Scene {
         let (checked, texts) = text_file::recorded(|| check::check(edited, base));
         let mut scene = checked.map_err(|e| typed.explain(e, document))?;
         let materials = library::user_folder().map(|folder| folder.display().to_string());
-        scene.files = NamedFiles { base: base.display().to_string(), materials, texts };
+        scene.parts.files = NamedFiles { base: base.display().to_string(), materials, texts };
         find_methods(&mut scene, edited, base);
-        scene.text = document.text.to_string();
-        scene.overrides = typed.texts();
+        scene.parts.text = document.text.to_string();
+        scene.parts.overrides = typed.texts();
         Ok(scene)
     }
 
@@ -412,7 +432,7 @@ impl Scene {
 /// The methods that can do a scene with a tolerance: each is put into its text in the place of that, and checked with all
 /// else.
 fn find_methods(scene: &mut Scene, document: &Document, base: &Path) {
-    let Some(tolerance) = &mut scene.solve.tolerance else { return };
+    let Some(tolerance) = &mut scene.parts.solve.tolerance else { return };
     let with = |choice: MethodChoice| {
         let mut typed = vec!["solve.tolerance=".to_owned(), format!("solve.method=\"{}\"", choice.method)];
         typed.extend(choice.scheme.map(|scheme| format!("solve.scheme=\"{scheme}\"")));

@@ -78,7 +78,7 @@ fn a_grid_scene_becomes_a_tracked_one_on_the_command_line() {
 
 #[test]
 fn frames_are_even_and_hold_both_ends() {
-    let times = |rest: &str| scene(&format!("[record]\n{rest}"), &[]).record.times;
+    let times = |rest: &str| scene(&format!("[record]\n{rest}"), &[]).parts.record.times;
     let five = times("frames = 5");
     assert_eq!((five.len(), five[0], five[4]), (5, 0.0, 200e-6));
     // A product and a quotient: two roundings of 1.1e-16.
@@ -118,7 +118,7 @@ fn joints_mean_what_they_say() {
 #[test]
 fn times_increase_for_any_step() {
     for i in 1..400 {
-        let times = scene(&format!("[record]\nevery = {:e}\n", 1e-6 * f64::from(i) * 0.37), &[]).record.times;
+        let times = scene(&format!("[record]\nevery = {:e}\n", 1e-6 * f64::from(i) * 0.37), &[]).parts.record.times;
         assert!(times.windows(2).all(|w| w[1] > w[0]), "{i}");
         assert_eq!(times.last(), Some(&200e-6));
     }
@@ -128,7 +128,7 @@ fn times_increase_for_any_step() {
 fn ends_mean_what_they_say() {
     let end = |text: &str| {
         let whole = base("").replace("kind = \"free\"", text).replace("[bar]\n", "[bar]\narea = 1\n");
-        read(&whole, &[]).unwrap_or_else(|e| panic!("{e}")).right
+        read(&whole, &[]).unwrap_or_else(|e| panic!("{e}")).parts.right
     };
     assert!(matches!(end("kind = \"wall\""), EndCondition::Wall { gap: 0.0 }));
     assert!(matches!(end("kind = \"wall\"\ngap = \"1 mm\""), EndCondition::Wall { gap } if gap == 1e-3));
@@ -162,7 +162,7 @@ fn segments_share_materials_and_state_areas_together() {
          [[bar.segment]]\nlength = 2\narea = 1\nmaterial = {STEEL}\nvelocity = \"3 m/s\"\n"
     );
     let text = base("").replace(&format!("[bar]\nlength = \"1 m\"\nmaterial = {STEEL}\n"), &segments);
-    let bar = read(&text, &[]).unwrap_or_else(|e| panic!("{e}")).bar;
+    let bar = read(&text, &[]).unwrap_or_else(|e| panic!("{e}")).parts.bar;
     assert_eq!(bar.segments.len(), 2);
     assert!(bar.area_given);
     assert_eq!(bar.segments[0].area, std::f64::consts::PI);
@@ -199,7 +199,7 @@ fn overrides_change_add_and_take_out() {
 fn overrides_reach_into_lists() {
     let segments = format!("[[bar.segment]]\nlength = 1\nmaterial = {STEEL}\n");
     let text = base("").replace(&format!("[bar]\nlength = \"1 m\"\nmaterial = {STEEL}\n"), &segments);
-    let bar = read(&text, &["bar.segment.0.length=10 in"]).unwrap_or_else(|e| panic!("{e}")).bar;
+    let bar = read(&text, &["bar.segment.0.length=10 in"]).unwrap_or_else(|e| panic!("{e}")).parts.bar;
     assert_eq!(bar.length(), 0.254);
     let error = wrong(&text, &["bar.segment.1.length=10 in"]);
     assert!(error.message.contains("no item 1: the list has 1"), "{error}");
@@ -290,7 +290,7 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
         "0,0\n10 us,-100 ft/s",
     ] {
         write(content);
-        let left = read().unwrap_or_else(|e| panic!("{content}: {e}")).left;
+        let left = read().unwrap_or_else(|e| panic!("{content}: {e}")).parts.left;
         assert!(matches!(left, EndCondition::Velocity { ref history, .. } if (history.at(5e-6) + 15.24).abs() < 1e-12));
     }
     for (content, line, part) in [

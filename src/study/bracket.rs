@@ -9,7 +9,7 @@ use crate::assemble;
 use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::material::{Material, Rate, Sense};
 use crate::record::{Compression, Field, Precision};
-use crate::scene::{Effects, HardeningRule, Heat, Method, Record, Scene, Solve};
+use crate::scene::{Effects, HardeningRule, Heat, Method, Record, Scene, SceneParts, Solve};
 use crate::solver::fd::Quantity;
 use crate::solver::moc::Settings;
 use crate::text_file::NamedFiles;
@@ -249,7 +249,7 @@ fn scene(material: &Arc<Material>, effects: Effects, sense: Sense, grid: &Grid, 
     let until = grid.transits * grid.length / material.c0();
     // Pulling the left end in -x is tension.
     let driven = History::constant(-sense.sign() * velocity);
-    Scene {
+    let parts = SceneParts {
         title: format!("{} at {velocity} m/s", material.name),
         name: material.name.clone(),
         path: None,
@@ -280,5 +280,6 @@ fn scene(material: &Arc<Material>, effects: Effects, sense: Sense, grid: &Grid, 
         },
         discretized: None,
         torsion: None,
-    }
+    };
+    Scene { parts }
 }

@@ -210,7 +210,7 @@ fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) ->
     let mut chosen = scene.clone();
     let how = match run::predict(scene, within) {
         Ok(Some((method, why))) => {
-            chosen.solve.method = method;
+            chosen.parts.solve.method = method;
             format!("{why}; the run refines further if its own error estimate exceeds the tolerance")
         }
         Err(Error::Interrupted) => {

@@ -169,12 +169,16 @@ impl Known {
             Some(front_tolerance) => method.with_front_tolerance(front_tolerance),
             None => method.with_cells(tried.by.cells.expect("cells")),
         };
-        self.error_of(&Scene { solve: barwave::scene::Solve { method, ..scene.solve.clone() }, ..scene.clone() })
+        self.error_by(scene, method)
     }
 
     /// The same of a scene's own method.
     pub fn error_of(&self, scene: &Scene) -> f64 {
-        match scene.solve.method {
+        self.error_by(scene, scene.solve.method)
+    }
+
+    fn error_by(&self, scene: &Scene, method: Method) -> f64 {
+        match method {
             Method::FrontTracking { front_tolerance, event_budget } => {
                 let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
                 let mut bar = assemble::front_tracking(scene, settings);

@@ -29,8 +29,7 @@ fn stopped(scene: &Scene, mut due: impl FnMut(&Progress) -> bool) -> (Error, Str
 
 #[test]
 fn a_run_on_a_grid_whose_estimate_is_interrupted_is_not_done() {
-    let mut scene = scene("until = \"200 us\"\ncells = 400");
-    scene.solve.estimate_error = true;
+    let scene = scene("until = \"200 us\"\ncells = 400").with_error_estimate();
     // The companions have fewer cells.
     let (error, outcome) = stopped(&scene, |at| matches!(at, Progress::Steps { cells, .. } if *cells < 400));
     assert!(matches!(error, Error::Interrupted), "{error}");

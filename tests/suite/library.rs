@@ -5,7 +5,7 @@ use std::path::Path;
 
 use barwave::error::{Error, Result};
 use barwave::record::Summary;
-use barwave::record::store::ResultFile;
+use barwave::record::store::{ResultFile, StoredScene};
 use barwave::run;
 use barwave::scene::{Problem, Scene, SceneBuilder};
 
@@ -66,4 +66,20 @@ fn runs_to_one_path_leave_the_result_of_one() {
     assert_eq!(ResultFile::open(&path).expect("a result").metadata().outcome, "done");
     let left = std::fs::read_dir(folder.path()).expect("a folder").count();
     assert_eq!(left, 1, "nothing else is left");
+}
+
+#[test]
+fn scenes_are_changed_by_their_keys_and_checked_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, scene) = (folder.path().join("out.h5"), pulled().build().expect("a right scene"));
+    for wrong in ["bar.length=-1", "solve.until=-1", "solve.cells=0", "solve.cfl=2", "record.gauges={ a = 9 }"] {
+        let Err(Error::Input(error)) = scene.with(&[wrong]) else { panic!("{wrong} was accepted") };
+        assert!(error.place.is_some(), "{error:?}");
+    }
+    let faster = scene.with(&["left.value=-30 m/s"]).and_then(|faster| faster.with(&["solve.cells=200"]));
+    let ran = run_to(&faster.expect("a right scene"), &path).expect("it runs");
+    let stored = StoredScene::read(&path).expect("a scene");
+    let again = Scene::parse("again.toml", &stored.text, Path::new(""), &stored.overrides).expect("a right scene");
+    let again = run::run(&again, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
+    assert_eq!((ran.cells, ran.left.stress), (200, again.left.stress));
 }

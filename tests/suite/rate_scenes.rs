@@ -52,7 +52,7 @@ const ZERILLI_ARMSTRONG: &str = "rate = { model = \"zerilli-armstrong\", C1 = \"
 
 /// The same bar with the temperature at which its curve holds.
 fn at_300_kelvin(effects: &str, solve: &str, rest: &str) -> String {
-    let text = scene(MALVERN, solve, rest).text;
+    let text = scene(MALVERN, solve, rest).text.clone();
     let material = "beyond = \"extend\"\nheat = { specific-heat = 460, reference-temperature = 300, melting-temperature = \
                     1800, m = 1 }";
     text.replace("beyond = \"extend\"", material).replace(MALVERN, effects)
@@ -170,7 +170,7 @@ fn a_plan_says_how_well_the_flow_is_resolved_and_what_rounding_costs() {
 #[test]
 fn above_the_static_critical_velocity_the_rate_carries_the_bar_on() {
     let effects = "rate = { model = \"malvern\", k = \"1e5 1/s\" }";
-    let mut text = scene(effects, "cells = 300", "").text;
+    let mut text = scene(effects, "cells = 300", "").text.clone();
     text = text.replace("[0.021, 600e6]", "[0.05, 250e6]").replace("\"extend\"", "\"rupture\"");
     text = text.replace("value = 20", "value = 60").replace("\"150 us\"", "\"20 us\"");
     let scene = Scene::parse("rate", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"));
@@ -181,7 +181,7 @@ fn above_the_static_critical_velocity_the_rate_carries_the_bar_on() {
 
 #[test]
 fn fronts_paths_are_refused_where_no_fronts_are_followed() {
-    let text = scene(MALVERN, "", "").text + "[record]\npaths = true";
+    let text = scene(MALVERN, "", "").text.clone() + "[record]\npaths = true";
     let refused = Scene::parse("rate", &text, Path::new("."), &[]).err().map(|error| error.to_string());
     assert!(refused.is_some_and(|message| message.contains("does not apply to a rate-dependent bar")));
 }

@@ -24,9 +24,8 @@ const HELD_OUT: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 /// Runs a scene to a tolerance, by the schemes named or by any: a line about it where the true error, or the one that is
 /// stated, is above what was asked.
 fn miss(case: &Known, tolerance: f64, alone: Option<&str>) -> Option<String> {
-    let mut scene = case.scene(&format!("tolerance = {tolerance:e}"));
-    let asked = scene.solve.tolerance.as_mut().expect("a tolerance");
-    asked.methods.retain(|method| alone.is_none_or(|alone| method.names()[1] == alone));
+    let scene = case.scene(&format!("tolerance = {tolerance:e}"));
+    let scene = scene.with_methods(|method| alone.is_none_or(|alone| method.names()[1] == alone));
     let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(()));
     let summary = summary.unwrap_or_else(|e| panic!("{} at {tolerance}: {e}", case.name));
     let estimate = summary.error.as_ref().map_or(f64::NAN, |e| e.value);
@@ -76,8 +75,7 @@ fn an_elastic_estimate_is_not_below_the_error_whatever_the_cells() {
     let cases = known.iter().chain(&held_out).filter(|c| elastic.contains(&c.name) || c.name == "smooth elastic pulse");
     for case in cases {
         for cells in [128, 200, 256, 400, 512, 777, 1000] {
-            let mut scene = case.scene(&format!("method = \"fd\"\ncells = {cells}"));
-            scene.solve.estimate_error = true;
+            let scene = case.scene(&format!("method = \"fd\"\ncells = {cells}")).with_error_estimate();
             let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
             let errors = summary.errors.expect("a table");
             assert!(Measure::ALL.into_iter().all(|m| m == Measure::Gauges || errors[m].is_some()), "{errors:?}");

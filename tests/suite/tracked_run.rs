@@ -166,10 +166,9 @@ fn a_gauge_where_fronts_meet_sees_only_what_lasts() {
 fn displacements_are_the_integral_of_the_velocities_with_and_without_a_tolerance() {
     let folder = tempfile::tempdir().expect("a folder");
     for tolerance in ["0", "0.02"] {
-        let mut scene = scene(tolerance);
         // Gauges at sample places.
-        let places = [0.001_25, 0.251_25, 0.601_25, 0.998_75];
-        scene.record.gauges = places.iter().map(|x| (format!("{x}"), *x)).collect();
+        let places = "record.gauges={ a = 0.00125, b = 0.25125, c = 0.60125, d = 0.99875 }";
+        let scene = scene(tolerance).with(&[places]).expect("a right scene");
         let file = result(&scene, folder.path());
         let last = file.time().expect("times").len() - 1;
         let displacement = file.field(Field::Displacement, last..last + 1).expect("the field");

@@ -18,7 +18,7 @@ use super::tracked::OUT_OF_EVENTS;
 use super::{Progress, Target, on_target};
 use crate::error::{Error, Result, RunError};
 use crate::record::{ChoiceSummary, Summary, Tried};
-use crate::scene::{Method, Scene, Solve, Tolerance};
+use crate::scene::{Method, Scene, Tolerance};
 
 /// A pilot that takes less than this part of what the best way is expected to take is made whatever is expected of it.
 const NEXT_TO_NOTHING: f64 = 0.1;
@@ -80,8 +80,7 @@ impl Attempt {
 
     /// The scene that it runs.
     pub fn scene(&self, scene: &Scene) -> Scene {
-        let solve = Solve { method: self.method, estimate_error: true, ..scene.solve.clone() };
-        Scene { solve, ..scene.clone() }
+        scene.by(self.method).with_error_estimate()
     }
 
     /// Runs it. None where it missed the tolerance, which the candidates know then.
@@ -142,10 +141,7 @@ fn candidates(scene: &Scene, asked: &Tolerance) -> Vec<Candidate> {
 
 /// Methods whose estimates hold: those that make a staircase of a taper are left out where another one does not need to.
 fn methods(scene: &Scene, asked: &[Method]) -> Vec<Method> {
-    let whole = |method: &Method| {
-        let solve = Solve { method: *method, ..scene.solve.clone() };
-        Scene { solve, ..scene.clone() }.in_pieces().is_none()
-    };
+    let whole = |method: &Method| scene.by(*method).in_pieces().is_none();
     let kept: Vec<Method> = asked.iter().copied().filter(whole).collect();
     if kept.is_empty() { asked.to_vec() } else { kept }
 }

@@ -25,7 +25,7 @@ use ends::EndSite;
 
 use super::capability::{Asked, all_go_together, not_a_key};
 use super::raw::{EffectsChoice, MOST_CELLS, RawBar, RawEffects, RawScene};
-use super::{Auto, Effects, Heat, Scene, Torsion};
+use super::{Auto, Effects, Heat, Scene, SceneParts, Torsion};
 use crate::bar::{Bar, EndCondition};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Document, GivenKey, Table};
@@ -97,7 +97,7 @@ impl Checker<'_> {
         let [left, right] = ends;
         let name = self.name();
         let (title, base) = (raw.title.unwrap_or_else(|| name.clone()), self.base.to_owned());
-        Ok(Scene {
+        let parts = SceneParts {
             title,
             name,
             path: None,
@@ -114,7 +114,8 @@ impl Checker<'_> {
             record,
             discretized: None,
             torsion,
-        })
+        };
+        Ok(Scene { parts })
     }
 
     /// The file's stem.

@@ -95,8 +95,8 @@ pub(super) fn with_time_and_knots(
     watch.what = format!("growth of {} with the end time", family.names[1]);
     let times = TIMES.map(|part| {
         let mut shorter = scene.clone();
-        shorter.solve.until *= part;
-        (shorter.solve.until, shorter)
+        shorter.parts.solve.until *= part;
+        (shorter.parts.solve.until, shorter)
     });
     let curves = KNOTS.map(|knots| Some((knots as f64, with_knots(&scene, knots)?)));
     let curves: Vec<(f64, Scene)> = curves.into_iter().flatten().collect();
@@ -136,7 +136,7 @@ fn timed(scene: &Scene, watch: &mut Watch<'_>) -> std::result::Result<(f64, f64)
 /// none where a curve is a straight line.
 fn with_knots(scene: &Scene, knots: usize) -> Option<Scene> {
     let mut scene = scene.clone();
-    for segment in &mut scene.bar.segments {
+    for segment in &mut scene.parts.bar.segments {
         let mut material = (*segment.material).clone();
         material.tension = parabola(&material.tension, material.modulus, knots)?;
         if let Some(compression) = &material.compression {

@@ -11,14 +11,14 @@
 use ndarray::Array2;
 
 use crate::bar::{Bar, EndCondition, initial_fans};
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneParts};
 
 /// Largest sum over the imposed jump: a scheme of second order for a system is monotone but for terms of higher order.
 pub(super) const MOST_VARIATION: f64 = 1.01;
 
 /// The jumps in stress (Pa) and velocity (m/s) that the data impose; none of a scene for which no bound is known.
 pub(super) fn imposed(scene: &Scene) -> Option<[f64; 2]> {
-    let Scene { bar, left, right, effects, .. } = scene;
+    let SceneParts { bar, left, right, effects, .. } = &scene.parts;
     let [segment] = bar.segments.as_slice() else { return None };
     let plain = effects.rate.is_none() && effects.damping.is_none() && effects.rupture.is_none();
     if !plain || segment.taper.is_some() || bar.has_initial_state() {

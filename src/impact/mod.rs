@@ -3,6 +3,7 @@
 //! A kind of impact is a type that implements [`Problem`], in one file or folder here, and a file in `scene/impacts/` that reads it.
 
 mod beam;
+mod check;
 pub(crate) mod contact;
 mod decay;
 mod oscillator;
@@ -16,6 +17,7 @@ mod spheres;
 use std::fmt::Debug;
 use std::ops::ControlFlow;
 
+pub(crate) use beam::buckling;
 pub use beam::{Beam, Foundation, Section};
 pub use contact::{Contact, History, Horizon, Moment, System, Touch};
 pub use oscillator::Oscillator;
@@ -26,12 +28,26 @@ pub use solution::{Column, Figure, Line, Shapes, Solution, Table};
 pub use specimen::{Blow, Outcome, Specimen, Toughness};
 pub use spheres::{Spheres, velocities_after, velocity_before};
 
+use crate::error::InputError;
 use crate::units::{self, Dimension, format};
 
 /// Told how much is done, 0 to 1; breaks off an integration.
 pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 
-/// An impact of any kind, checked.
+/// An impact of any kind: put together from its public type, or read from a scene.
+///
+/// ```
+/// use barwave::impact::{Elastic, Plate, Problem, Solid};
+/// use std::ops::ControlFlow;
+///
+/// let steel = Elastic { modulus: 207e9, poisson: 0.3, density: 7850.0, yield_stress: None };
+/// let ball = Solid { radius: 0.005, mass: 0.0041, velocity: 0.5, elastic: steel };
+/// let plate = Plate { thickness: 0.01, elastic: steel, striker: ball, tolerance: 1e-8, until: None };
+/// let solution = plate.solve(&mut |_| ControlFlow::Continue(()))?;
+/// println!("restitution {:.3}", solution.figure("restitution"));
+/// assert!(Plate { thickness: 0.0, ..plate }.solve(&mut |_| ControlFlow::Continue(())).is_err());
+/// # Ok::<(), barwave::error::Error>(())
+/// ```
 pub trait Problem: Debug + Send + Sync {
     /// Name of the scene's table and of the group in the result file.
     fn kind(&self) -> &'static str;
@@ -41,11 +57,33 @@ pub trait Problem: Debug + Send + Sync {
         self.kind()
     }
 
+    /// Refuses members out of the ranges that are given with them.
+    ///
+    /// # Errors
+    /// The first that is, by its name.
+    fn check(&self) -> Result<(), InputError>;
+
+    /// What is known without an integration, of members in their ranges.
+    fn planned(&self) -> Solution;
+
+    /// The result, of members in their ranges; where `watch` breaks off, that so far, with the outcome "interrupted".
+    fn solved(&self, watch: Watch<'_>) -> Solution;
+
     /// What is known without an integration.
-    fn plan(&self) -> Solution;
+    ///
+    /// # Errors
+    /// As for [`Problem::check`].
+    fn plan(&self) -> Result<Solution, InputError> {
+        self.check().map(|()| self.planned())
+    }
 
     /// The result; where `watch` breaks off, that so far, with the outcome "interrupted".
-    fn solve(&self, watch: Watch<'_>) -> Solution;
+    ///
+    /// # Errors
+    /// As for [`Problem::check`].
+    fn solve(&self, watch: Watch<'_>) -> Result<Solution, InputError> {
+        self.check().map(|()| self.solved(watch))
+    }
 
     /// The parameters that decide how accurate the result is; none of a closed form.
     fn numerics(&self) -> Option<Numerics> {

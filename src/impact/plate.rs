@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::check::{Checked, TOLERANCES, member, positive};
 use super::contact::{Contact, Horizon, System};
 use super::oscillator::Oscillator;
 use super::solid::{Elastic, Solid, contact_radius, judge};
@@ -25,13 +26,13 @@ const MOST_DEFLECTION: f64 = 0.5;
 pub struct Plate {
     /// Full thickness 2h, m, > 0.
     pub thickness: f64,
-    /// Of the plate; its density is known.
+    /// Of the plate: not rigid, and of known density.
     pub elastic: Elastic,
-    /// The sphere.
+    /// The sphere, with a velocity > 0.
     pub striker: Solid,
-    /// Largest relative defect of Hertz's law between the nodes of a step.
+    /// Largest relative defect of Hertz's law between the nodes of a step, 0 < . < 1.
     pub tolerance: f64,
-    /// Latest end of the contact that is followed, s; none: 100 Hertz durations.
+    /// Latest end of the contact that is followed, s, > 0; none: 100 Hertz durations.
     pub until: Option<f64>,
 }
 
@@ -194,11 +195,19 @@ impl Problem for Plate {
         "plate"
     }
 
-    fn plan(&self) -> Solution {
+    fn check(&self) -> Checked {
+        positive([("thickness", self.thickness, Length)])?;
+        self.elastic.check_of_struck("elastic")?;
+        self.striker.check_of_striker("striker", 0.0)?;
+        member("tolerance", self.tolerance, Plain, TOLERANCES)?;
+        self.until.map_or(Ok(()), |until| positive([("until", until, Time)]))
+    }
+
+    fn planned(&self) -> Solution {
         self.closed_forms()
     }
 
-    fn solve(&self, watch: Watch<'_>) -> Solution {
+    fn solved(&self, watch: Watch<'_>) -> Solution {
         let (law, velocity) = (self.contact(), self.striker.velocity);
         let mut solution = self.closed_forms();
         let striker = Oscillator { v: velocity, ..Oscillator::new(self.striker.mass, [0.0, 0.0], -1.0) };
@@ -285,7 +294,7 @@ mod tests {
             rows += 1;
             // The row of lambda = 0 is the limit of thick plates, with four digits of the contact time.
             let plate = plate(lambda.max(1e-9));
-            let solution = plate.solve(&mut |_| ControlFlow::Continue(()));
+            let solution = plate.solved(&mut |_| ControlFlow::Continue(()));
             let unit = (plate.striker.mass / plate.contact().stiffness()).powf(0.4) * plate.striker.velocity.powf(-0.2);
             let (duration, most) = (solution.figure("contact_duration") / unit, if lambda > 0.0 { 1e-8 } else { 5e-4 });
             assert!((duration - time).abs() < most * time, "{lambda}: {duration} {time}");

@@ -21,7 +21,7 @@ pub struct Elastic {
     pub poisson: f64,
     /// kg/m^3, > 0; NaN where it is not known.
     pub density: f64,
-    /// In compression, Pa; none where it is not known.
+    /// In compression, Pa, > 0; none where it is not known.
     pub yield_stress: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ pub struct Solid {
     pub radius: f64,
     /// kg, > 0; infinite for a half-space.
     pub mass: f64,
-    /// m/s.
+    /// m/s; of a striker larger than that of the struck body.
     pub velocity: f64,
     /// What it is made of.
     pub elastic: Elastic,

@@ -4,10 +4,12 @@
 //! How the stress builds up is left out, and so is that the body may strike faster than the specimen can carry the strain
 //! away: above the critical velocity a bar breaks with less. A run of the bar itself (`[bar]`) knows both.
 
+use super::check::{Checked, member, positive, positive_or_infinite};
 use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
+use crate::input::Allowed;
 use crate::material::{Curve, Ultimate};
-use crate::units::Dimension::{Energy, EnergyDensity, None as Plain, Velocity};
+use crate::units::Dimension::{Area, Energy, EnergyDensity, Length, Mass, None as Plain, Velocity};
 use crate::units::{System, format};
 
 /// A specimen in tension.
@@ -36,9 +38,9 @@ pub enum Toughness {
         ultimate: Ultimate,
         /// Notch factor, >= 1; 1: none.
         notch: f64,
-        /// Strain of the elastic limit.
+        /// Strain of the elastic limit, >= 0.
         elastic: f64,
-        /// Impact velocity from which on a bar of this curve breaks at its struck end, m/s.
+        /// Impact velocity from which on a bar of this curve breaks at its struck end, m/s, > 0; infinite where none does.
         critical: f64,
     },
 }
@@ -159,7 +161,22 @@ impl Problem for Blow {
         "energy"
     }
 
-    fn plan(&self) -> Solution {
+    fn check(&self) -> Checked {
+        let Specimen { length, area, toughness } = &self.specimen;
+        positive([("mass", self.mass, Mass), ("specimen.length", *length, Length), ("specimen.area", *area, Area)])?;
+        member("velocity", self.velocity, Velocity, Allowed::Within(0.0, Velocity.magnitudes().most))?;
+        match toughness {
+            Toughness::PerVolume(energy) => positive([("specimen.toughness", *energy, EnergyDensity)]),
+            Toughness::Curve { notch, elastic, critical, ultimate, .. } => {
+                positive([("specimen.toughness.ultimate.strain", ultimate.strain, Plain)])?;
+                member("specimen.toughness.notch", *notch, Plain, Allowed::Within(1.0, f64::MAX))?;
+                member("specimen.toughness.elastic", *elastic, Plain, Allowed::NotNegative)?;
+                positive_or_infinite("specimen.toughness.critical", *critical, Velocity)
+            }
+        }
+    }
+
+    fn planned(&self) -> Solution {
         let outcome = self.outcome();
         let per_volume = self.specimen.energy_per_volume();
         let line = Line::new;
@@ -188,8 +205,8 @@ impl Problem for Blow {
         }
     }
 
-    fn solve(&self, _: Watch<'_>) -> Solution {
-        let (mut solution, outcome) = (self.plan(), self.outcome());
+    fn solved(&self, _: Watch<'_>) -> Solution {
+        let (mut solution, outcome) = (self.planned(), self.outcome());
         solution.lines.push(Line::new("striker after", "{}", &[(outcome.residual_velocity, Velocity)]));
         let strain = outcome.strain.map(|strain| Line::new("strain", "{}", &[(strain, Plain)]));
         solution.lines.extend(strain);

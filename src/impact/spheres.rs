@@ -3,12 +3,14 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
+use super::check::{Checked, TOLERANCES, meet, member, positive, positive_or_infinite};
 use super::contact::{Contact, Horizon, System};
 use super::oscillator::Oscillator;
 use super::solid::{Elastic, Solid, contact_radius, judge};
 use super::solution::{Figure, Line, Solution, Table};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
+use crate::input::Allowed;
 use crate::units::Dimension::{self, Energy, Force, Length, Mass, None as Plain, Time, Velocity};
 
 /// Part of the energy that vibrates in the spheres, or leaves in waves, from which on Hertz's theory is left.
@@ -21,25 +23,25 @@ const PULSE: f64 = 0.353_736_587;
 pub enum Spheres {
     /// Newton's law, equations 9.1 to 9.3. Masses, kg, and velocities before, m/s, of striker and struck body.
     Restitution {
-        /// kg; infinite for a half-space.
+        /// kg, > 0; the second infinite for a half-space.
         masses: [f64; 2],
-        /// m/s.
+        /// m/s, the first larger than the second.
         velocities: [f64; 2],
         /// 0 to 1.
         restitution: f64,
     },
     /// A body that embeds in another at rest, equation 9.4.
     Pendulum {
-        /// kg.
+        /// kg, > 0.
         masses: [f64; 2],
-        /// Of both together, m/s.
+        /// Of both together, m/s, > 0.
         after: f64,
     },
     /// Hertz's theory.
     Hertz {
-        /// Striker and struck body.
+        /// Striker and struck body, the striker being the faster one; one of them is not rigid.
         solids: [Solid; 2],
-        /// Largest relative defect of Hertz's law between the nodes of a step.
+        /// Largest relative defect of Hertz's law between the nodes of a step, 0 < . < 1.
         tolerance: f64,
     },
 }
@@ -69,7 +71,30 @@ impl Problem for Spheres {
         "spheres"
     }
 
-    fn solve(&self, watch: Watch<'_>) -> Solution {
+    fn check(&self) -> Checked {
+        match self {
+            Self::Restitution { masses, velocities: [striker, struck], restitution } => {
+                positive([("masses.0", masses[0], Mass)])?;
+                positive_or_infinite("masses.1", masses[1], Mass)?;
+                member("restitution", *restitution, Plain, Allowed::Within(0.0, 1.0))?;
+                meet("velocities.0", *striker, *struck)
+            }
+            Self::Pendulum { masses: [striker, struck], after } => {
+                positive([("masses.0", *striker, Mass), ("masses.1", *struck, Mass)])?;
+                meet("after", *after, 0.0)
+            }
+            Self::Hertz { solids: [striker, struck], tolerance } => {
+                struck.check("solids.1")?;
+                striker.check_of_striker("solids.0", struck.velocity)?;
+                if [striker, struck].iter().all(|solid| solid.elastic.modulus.is_infinite()) {
+                    positive([("solids.1.elastic.modulus", struck.elastic.modulus, Dimension::Stress)])?;
+                }
+                member("tolerance", *tolerance, Plain, TOLERANCES)
+            }
+        }
+    }
+
+    fn solved(&self, watch: Watch<'_>) -> Solution {
         match self {
             Self::Restitution { masses, velocities, restitution } => by_restitution(*masses, *velocities, *restitution),
             Self::Pendulum { masses, after } => pendulum(*masses, *after),
@@ -77,11 +102,11 @@ impl Problem for Spheres {
         }
     }
 
-    fn plan(&self) -> Solution {
+    fn planned(&self) -> Solution {
         match self {
             Self::Hertz { solids, .. } => closed_forms(solids),
             // Nothing is integrated.
-            closed => closed.solve(&mut |_| ControlFlow::Continue(())),
+            closed => closed.solved(&mut |_| ControlFlow::Continue(())),
         }
     }
 

@@ -27,7 +27,7 @@ pub(crate) fn impact_to_checked_file(
     watch: Watch<'_>,
 ) -> Result<ImpactSummary> {
     let started = Instant::now();
-    let mut solution = scene.problem.solve(watch);
+    let mut solution = scene.problem.solve(watch)?;
     solution.warnings.extend(scene.notes());
     let mut summary = ImpactSummary { solution, ..plan_impact(scene) };
     if let Some(path) = output {
@@ -55,7 +55,7 @@ pub(crate) fn impact_to_checked_file(
 
 /// What is known of the impact without an integration.
 pub fn plan_impact(scene: &ImpactScene) -> ImpactSummary {
-    let mut solution = scene.problem.plan();
+    let mut solution = scene.problem.planned();
     solution.warnings.extend(scene.notes());
     ImpactSummary {
         scene: scene.title.clone(),

@@ -139,7 +139,7 @@ fn timed(
     done: f64,
 ) -> Option<(Solution, f64)> {
     let started = Instant::now();
-    let solution = problem.solve(&mut |_| progress(what, done));
+    let solution = problem.solved(&mut |_| progress(what, done));
     (!solution.is_interrupted()).then(|| (solution, started.elapsed().as_secs_f64()))
 }
 

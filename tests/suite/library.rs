@@ -3,7 +3,11 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use barwave::error::{Error, Result};
+use barwave::error::{Error, InputError, Result};
+use barwave::impact::{
+    self, Beam, Blow, Elastic, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
+};
+use barwave::input::Document;
 use barwave::record::Summary;
 use barwave::record::store::{ResultFile, StoredScene};
 use barwave::run;
@@ -82,4 +86,64 @@ fn scenes_are_changed_by_their_keys_and_checked_again() {
     let again = Scene::parse("again.toml", &stored.text, Path::new(""), &stored.overrides).expect("a right scene");
     let again = run::run(&again, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert_eq!((ran.cells, ran.left.stress), (200, again.left.stress));
+}
+
+fn solved(problem: &dyn impact::Problem) -> std::result::Result<Solution, InputError> {
+    problem.solve(&mut |_| ControlFlow::Continue(()))
+}
+
+fn assert_names(problem: &dyn impact::Problem, member: &str) {
+    let error = solved(problem).expect_err(member);
+    assert!(error.key == member && !error.allowed.is_empty() && !error.help.is_empty(), "{error:?}");
+}
+
+#[test]
+fn impacts_out_of_range_are_errors_that_name_the_member() {
+    let steel = Elastic { modulus: 207e9, poisson: 0.3, density: 7850.0, yield_stress: None };
+    let ball = |velocity: f64| Solid { radius: 0.005, mass: 0.0041, velocity, elastic: steel };
+    let plate = Plate { thickness: 0.01, elastic: steel, striker: ball(1.0), tolerance: 1e-6, until: None };
+    let beam = Beam {
+        length: 0.15,
+        section: Section { area: 1e-4, inertia: 8e-10, depth: 0.01 },
+        elastic: steel,
+        foundation: Foundation::default(),
+        striker: ball(0.01),
+        at: 0.075,
+        gauges: Vec::new(),
+        shapes: 0,
+        until: None,
+        tolerance: 1e-3,
+        modes: None,
+    };
+    let hertz = |solids| Spheres::Hertz { solids, tolerance: 1e-6 };
+    assert!(solved(&plate).is_ok() && solved(&beam).is_ok() && solved(&hertz([ball(1.0), ball(0.5)])).is_ok());
+    for wrong in [f64::NAN, 0.0, -1.0] {
+        assert_names(&Plate { thickness: wrong, ..plate.clone() }, "thickness");
+        assert_names(&Plate { tolerance: wrong, ..plate.clone() }, "tolerance");
+        assert_names(&Plate { striker: ball(wrong), ..plate.clone() }, "striker.velocity");
+        assert_names(&Beam { striker: ball(wrong), ..beam.clone() }, "striker.velocity");
+        assert_names(&Beam { until: Some(wrong), ..beam.clone() }, "until");
+        assert_names(&Beam { at: wrong, ..beam.clone() }, "at");
+        let elastic = Elastic { density: wrong, ..steel };
+        assert_names(&Beam { elastic, ..beam.clone() }, "elastic.density");
+        assert_names(&hertz([ball(1.0), Solid { mass: wrong, ..ball(0.0) }]), "solids.1.mass");
+        let masses = [wrong, 1.0];
+        assert_names(&Spheres::Pendulum { masses, after: 1.0 }, "masses.0");
+        assert_names(&Spheres::Restitution { masses, velocities: [1.0, 0.0], restitution: 1.0 }, "masses.0");
+        let specimen = Specimen { length: 0.1, area: 1e-4, toughness: Toughness::PerVolume(1e8) };
+        assert_names(&Blow { specimen, mass: wrong, velocity: 1.0 }, "mass");
+    }
+    for struck in [1.0, 2.0, f64::NAN] {
+        assert_names(&hertz([ball(1.0), ball(struck)]), "solids.0.velocity");
+    }
+    let buckled = Foundation { axial: 1e9, ..Foundation::default() };
+    assert_names(&Beam { foundation: buckled, ..beam.clone() }, "foundation.axial");
+}
+
+#[test]
+fn spheres_that_hardly_close_are_refused() {
+    let text = SPHERES.replace("velocity = 1\n", "velocity = 1e-160\n");
+    let read = Problem::of_document(&Document::new("spheres.toml", text), Path::new("spheres.toml"), &[]);
+    let Err(Error::Input(error)) = read else { panic!("accepted") };
+    assert!(error.key == "striker.velocity" && error.message.contains("closing velocity of 1e-160 m/s"), "{error}");
 }

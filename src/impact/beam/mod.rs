@@ -8,13 +8,15 @@ mod shape;
 
 use std::f64::consts::PI;
 
+use super::check::{Checked, TOLERANCES, member, positive};
 use super::contact::{Horizon, System};
 use super::oscillator::Oscillator;
 use super::solid::{Elastic, Solid};
 use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
-use crate::units::Dimension::{None as Plain, Time};
+use crate::input::Allowed;
+use crate::units::Dimension::{self, Area, Drag, Force, Length, None as Plain, SecondMomentOfArea, Time, Viscosity};
 
 /// A cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,11 +49,11 @@ pub struct Beam {
     pub length: f64,
     /// Cross-section.
     pub section: Section,
-    /// Of the beam; its density is known.
+    /// Of the beam: not rigid, and of known density.
     pub elastic: Elastic,
     /// Damping, foundation, axial force.
     pub foundation: Foundation,
-    /// The sphere.
+    /// The sphere, with a velocity > 0.
     pub striker: Solid,
     /// Place of the impact from the left support, m, inside the beam.
     pub at: f64,
@@ -59,17 +61,29 @@ pub struct Beam {
     pub gauges: Vec<(String, f64)>,
     /// Number of deflected shapes, evenly over time.
     pub shapes: usize,
-    /// End, s; none: when the sphere has left for good, and not before one period of the lowest mode.
+    /// End, s, > 0; none: when the sphere has left for good, and not before one period of the lowest mode.
     pub until: Option<f64>,
-    /// Largest relative change of the results when modes are doubled and the step tolerance is divided by 4; the modes follow from it.
+    /// Largest relative change of the results when modes are doubled and the step tolerance is divided by 4, 0 < . < 1; the modes follow
+    /// from it.
     pub tolerance: f64,
-    /// Number of modes, instead of that from the tolerance.
+    /// Number of modes, > 0, instead of that from the tolerance.
     pub modes: Option<usize>,
 }
 
 /// Earliest and latest end of a run without an end time: the longer of so many periods of the lowest mode and Hertz contact times.
 const PERIODS: [f64; 2] = [1.0, 50.0];
 const CONTACT_TIMES: [f64; 2] = [1.5, 100.0];
+
+/// Smallest axial force, N, at which a mode has no stiffness: E I (n pi/l)^2 + k/(n pi/l)^2 over all n.
+pub(crate) fn buckling(length: f64, bending: f64, modulus: f64) -> f64 {
+    let load = |n: f64| {
+        let k2 = (n * PI / length).powi(2);
+        bending * k2 + modulus / k2
+    };
+    // The best wave number is the fourth root of modulus/bending; the whole numbers beside it hold the smallest.
+    let best = ((modulus / bending).powf(0.25) * length / PI).floor().max(1.0);
+    load(best).min(load(best + 1.0))
+}
 
 impl Beam {
     /// Half the beam's mass: the modal mass of every mode, kg.
@@ -177,7 +191,29 @@ impl Problem for Beam {
         "beam"
     }
 
-    fn plan(&self) -> Solution {
+    fn check(&self) -> Checked {
+        let Section { area, inertia, depth } = self.section;
+        positive([("length", self.length, Length), ("section.area", area, Area)])?;
+        positive([("section.inertia", inertia, SecondMomentOfArea), ("section.depth", depth, Length)])?;
+        self.elastic.check_of_struck("elastic")?;
+        self.striker.check_of_striker("striker", 0.0)?;
+        let Foundation { internal, external, modulus, axial } = self.foundation;
+        member("foundation.internal", internal, Viscosity, Allowed::NotNegative)?;
+        member("foundation.external", external, Drag, Allowed::NotNegative)?;
+        member("foundation.modulus", modulus, Dimension::Foundation, Allowed::NotNegative)?;
+        let most = buckling(self.length, self.bending(), modulus);
+        member("foundation.axial", axial, Force, Allowed::Between(f64::NEG_INFINITY, most))?;
+        member("at", self.at, Length, Allowed::Between(0.0, self.length))?;
+        let within = |(name, x): &(String, f64)| {
+            member(&format!("gauges.{name}"), *x, Length, Allowed::Within(0.0, self.length))
+        };
+        self.gauges.iter().try_for_each(within)?;
+        member("tolerance", self.tolerance, Plain, TOLERANCES)?;
+        self.until.map_or(Ok(()), |until| positive([("until", until, Time)]))?;
+        self.modes.map_or(Ok(()), |modes| positive([("modes", modes as f64, Plain)]))
+    }
+
+    fn planned(&self) -> Solution {
         let mut solution = self.approximation();
         let modes = match self.modes {
             Some(modes) => format!("{modes}"),
@@ -202,7 +238,7 @@ impl Problem for Beam {
         solution
     }
 
-    fn solve(&self, watch: Watch<'_>) -> Solution {
+    fn solved(&self, watch: Watch<'_>) -> Solution {
         self.converge(watch)
     }
 

@@ -9,7 +9,7 @@ use super::super::raw::{BodyKeys, Gauges, MaterialChoice, raw_body};
 use super::Parts;
 use super::body::{RawSphere, Tolerance, elastic_json, solid_json};
 use crate::error::Result;
-use crate::impact::{Beam, Elastic, Foundation, Section};
+use crate::impact::{Beam, Elastic, Foundation, Section, buckling};
 use crate::input::Allowed;
 use crate::typed::{Count, Key, NotNegative, Of, Or, Placed, Plain, Poisson, Positive};
 use crate::units::{Dimension, System, format, measures};
@@ -251,15 +251,4 @@ impl Checker<'_> {
             .help("the theory is for a contact at a point of the beam: give a smaller sphere or a slower one")
             .into())
     }
-}
-
-/// Smallest axial force, N, at which a mode has no stiffness: E I (n pi/l)^2 + k/(n pi/l)^2 over all n.
-fn buckling(length: f64, bending: f64, modulus: f64) -> f64 {
-    let load = |n: f64| {
-        let k2 = (n * PI / length).powi(2);
-        bending * k2 + modulus / k2
-    };
-    // The best wave number is the fourth root of modulus/bending; the whole numbers beside it hold the smallest.
-    let best = ((modulus / bending).powf(0.25) * length / PI).floor().max(1.0);
-    load(best).min(load(best + 1.0))
 }

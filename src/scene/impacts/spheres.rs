@@ -9,7 +9,7 @@ use super::body::{Tolerance, solid_json};
 use crate::error::Result;
 use crate::impact::{Solid, Spheres};
 use crate::typed::{Key, Of, Or, Placed, Plain, Poisson, Positive, Within};
-use crate::units::measures;
+use crate::units::{Dimension, measures};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::json;
@@ -167,12 +167,20 @@ impl Checker<'_> {
         let given = striker.get_ref().velocity.as_ref();
         let velocity = self.needed(given, "velocity", striker.span(), "striker")?;
         let other = self.si(&struck.velocity)?;
-        if velocity > other {
+        let (closing, least) = (velocity - other, Dimension::Velocity.magnitudes().least);
+        if closing >= least {
             return Ok([velocity, other]);
         }
-        let message = format!("the striker, at {velocity} m/s, does not catch up with the struck body, at {other} m/s");
+        let (message, allowed) = if closing > 0.0 {
+            let message = format!("a closing velocity of {closing:e} m/s is beyond the range of a velocity");
+            (message, format!("velocity >= {other} m/s + {least:e} m/s"))
+        } else {
+            let message =
+                format!("the striker, at {velocity} m/s, does not catch up with the struck body, at {other} m/s");
+            (message, format!("velocity > {other} m/s"))
+        };
         let span = given.place().unwrap_or_else(|| striker.span());
-        let error = self.error(span, "striker.velocity", message).allowed(format!("velocity > {other} m/s"));
+        let error = self.error(span, "striker.velocity", message).allowed(allowed);
         Err(error.help("give the striker the larger velocity; both are positive in the direction of the impact").into())
     }
 

@@ -8,8 +8,8 @@ use barwave::impact::{
     self, Beam, Blow, Elastic, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
 };
 use barwave::input::Document;
-use barwave::record::Summary;
 use barwave::record::store::{ResultFile, StoredScene};
+use barwave::record::{Field, Summary};
 use barwave::run;
 use barwave::scene::{Problem, Scene, SceneBuilder};
 
@@ -146,4 +146,33 @@ fn spheres_that_hardly_close_are_refused() {
     let read = Problem::of_document(&Document::new("spheres.toml", text), Path::new("spheres.toml"), &[]);
     let Err(Error::Input(error)) = read else { panic!("accepted") };
     assert!(error.key == "striker.velocity" && error.message.contains("closing velocity of 1e-160 m/s"), "{error}");
+}
+
+#[test]
+fn wrong_calls_of_a_result_file_are_not_said_to_be_damage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, spheres) = (folder.path().join("out.h5"), folder.path().join("spheres.h5"));
+    run_to(&pulled().set("record.frames", 11).build().expect("a right scene"), &path).expect("it runs");
+    let file = ResultFile::open(&path).expect("a result");
+    let Ok(Problem::Impact(impact)) =
+        Problem::of_document(&Document::new("spheres.toml", SPHERES), Path::new("spheres.toml"), &[])
+    else {
+        panic!("an impact")
+    };
+    run::run_impact(&impact, Some(&spheres), &mut |_| ControlFlow::Continue(())).expect("it runs");
+    let of_impact = ResultFile::open(&spheres).expect("a result");
+    assert!(file.field(Field::Stress, 0..11).is_ok());
+    #[expect(clippy::reversed_empty_ranges, reason = "a mistake of the caller")]
+    let backwards = file.field(Field::Stress, 3..2);
+    for (ended, message) in [
+        (file.field(Field::Stress, 0..10_000).map(|_| ()), "the frames 0..10000 are not in the file"),
+        (backwards.map(|_| ()), "the frames 3..2 are not in the file"),
+        (file.field(Field::Temperature, 0..1).map(|_| ()), "the file has no field `temperature`"),
+        (of_impact.time().map(|_| ()), "the file holds an impact of the kind `spheres`"),
+        (of_impact.ledger().map(|_| ()), "the file holds an impact of the kind `spheres`"),
+        (of_impact.field(Field::Stress, 0..1).map(|_| ()), "the file holds an impact of the kind `spheres`"),
+    ] {
+        let Err(Error::Input(error)) = ended else { panic!("{message}: {ended:?}") };
+        assert!(error.message.contains(message) && !error.allowed.is_empty(), "{error:?}");
+    }
 }

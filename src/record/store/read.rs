@@ -162,7 +162,7 @@ impl ResultFile {
 
     /// Frame times, s; in a file that was cut off, of the frames that every field has.
     pub fn time(&self) -> Result<Vec<f64>> {
-        self.run(|file| {
+        self.of_bar(|file| {
             let mut time: Vec<f64> = bounded::column(&file.dataset("time")?)?;
             for field in present(file) {
                 time.truncate(file.dataset(field.name())?.shape().first().copied().unwrap_or(0));
@@ -173,7 +173,7 @@ impl ResultFile {
 
     /// Sample positions, m.
     pub fn x(&self) -> Result<Vec<f64>> {
-        self.run(|file| bounded::column(&file.dataset("x")?))
+        self.of_bar(|file| bounded::column(&file.dataset("x")?))
     }
 
     /// Fields in the file.
@@ -182,17 +182,20 @@ impl ResultFile {
     }
 
     /// Frames `rows` of a field, shape (rows, `n_x`).
+    ///
+    /// # Errors
+    /// An [`InputError`] where the file does not have the field, or not so many frames, or is damaged.
     pub fn field(&self, field: Field, rows: Range<usize>) -> Result<Array2<f64>> {
-        self.run(|file| {
+        self.has_frames(field, &rows)?;
+        self.of_bar(|file| {
             let (dataset, columns) = (file.dataset(field.name())?, file.dataset("x")?.size());
             match dataset.shape()[..] {
-                [n, m] if m == columns && rows.start <= rows.end && rows.end <= n => {}
+                [_, m] if m == columns => {}
                 ref shape => {
-                    let (name, end) = (field.name(), rows.end);
-                    return Err(format!(
-                        "`{name}` has the shape {shape:?}, expected {end} frames of {columns} samples"
-                    )
-                    .into());
+                    let name = field.name();
+                    return Err(
+                        format!("`{name}` has the shape {shape:?}, expected frames of {columns} samples").into()
+                    );
                 }
             }
             bounded::check(&dataset)?;
@@ -202,7 +205,7 @@ impl ResultFile {
 
     /// Gauges, in the scene's order.
     pub fn gauges(&self) -> Result<Vec<Gauge>> {
-        self.run(|file| {
+        self.of_bar(|file| {
             gauge_groups(file)?
                 .iter()
                 .map(|(_, group)| {
@@ -214,17 +217,17 @@ impl ResultFile {
 
     /// History of an end.
     pub fn end(&self, side: Side) -> Result<Trace> {
-        self.run(|file| read_trace(&file.group(&format!("ends/{}", side.name()))?))
+        self.of_bar(|file| read_trace(&file.group(&format!("ends/{}", side.name()))?))
     }
 
     /// Torque at an end in torsion, N m, at the times of [`Self::end`]; empty where the file has none.
     pub fn end_torque(&self, side: Side) -> Result<Vec<f64>> {
-        self.run(|file| column(&file.group(&format!("ends/{}", side.name()))?, END_TORQUE[0]))
+        self.of_bar(|file| column(&file.group(&format!("ends/{}", side.name()))?, END_TORQUE[0]))
     }
 
     /// The ledger.
     pub fn ledger(&self) -> Result<Vec<LedgerRow>> {
-        self.run(|file| read_ledger(&file.group("ledger")?))
+        self.of_bar(|file| read_ledger(&file.group("ledger")?))
     }
 
     /// Fronts; empty in an unfinished file.
@@ -269,6 +272,31 @@ impl ResultFile {
     /// Of a bar in torsion: its stresses, strains and velocities are those of shear.
     pub fn is_in_torsion(&self) -> bool {
         self.run(|file| Ok(get_text(file, "mode").is_ok())).unwrap_or(false)
+    }
+
+    /// Refuses frames that the file does not have.
+    fn has_frames(&self, field: Field, rows: &Range<usize>) -> Result<()> {
+        self.needs_bar()?;
+        let (name, fields) = (field.name(), self.fields());
+        if !fields.contains(&field) {
+            let names: Vec<&str> = fields.iter().map(|field| field.name()).collect();
+            let help = format!("record it: add \"{name}\" to `fields` under [record] in the scene, and run it again");
+            let error = wrong(&self.path, &format!("the file has no field `{name}`"), &help);
+            return Err(error.allowed(names.join(", ")).into());
+        }
+        let frames = self.run(|file| Ok(file.dataset(name)?.shape().first().copied().unwrap_or(0)))?;
+        if rows.start <= rows.end && rows.end <= frames {
+            return Ok(());
+        }
+        let message = format!("the frames {}..{} are not in the file", rows.start, rows.end);
+        let help = "the number of frames is that of the times";
+        Err(wrong(&self.path, &message, help).allowed(format!("0 <= start <= end <= {frames}")).into())
+    }
+
+    /// Reads what only the result of a bar has.
+    fn of_bar<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {
+        self.needs_bar()?;
+        self.run(read)
     }
 
     pub(super) fn run<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {

@@ -1,13 +1,20 @@
 //! Errors and their messages: what, where, the value, the allowed range, and a help line.
 
+pub(crate) mod text;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Every fallible function of the library returns this.
+/// What functions return that read, check, run or write; an [`InputError`], a [`RunError`] and the errors of a material's curve and heating
+/// become its error by `?`.
+///
+/// In a program whose `main` returns it, a failure ends with the message of the command line ([`Error::text`]).
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// The ways in which a command can end without its result.
-#[derive(Debug, thiserror::Error)]
+///
+/// `Display` is one line, without the line of the file and without help; `Debug` is [`Error::text`].
+#[derive(thiserror::Error)]
 pub enum Error {
     /// The input is wrong; exit code 2.
     #[error(transparent)]
@@ -41,9 +48,20 @@ impl Error {
         }
     }
 
+    /// The message of the command line: what is wrong, where with the line of the file, what is allowed, and help.
+    pub fn text(&self) -> String {
+        text::lines(self, text::Paint(false)).trim_end().to_owned()
+    }
+
     /// A file error from anything that can say what happened.
     pub fn file(path: &Path, reason: impl std::fmt::Display) -> Self {
         Self::File { path: path.to_owned(), reason: reason.to_string() }
+    }
+}
+
+impl std::fmt::Debug for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text())
     }
 }
 
@@ -69,7 +87,8 @@ impl Place {
 /// A wrong input: one clear sentence, its place, and what would be right.
 ///
 /// Built with [`InputError::new`] and the methods below, in the order in which they are shown.
-#[derive(Debug, Clone)]
+/// `Display` is one line, without the line of the file and without help; `Debug` is [`InputError::text`].
+#[derive(Clone)]
 pub struct InputError {
     /// What is wrong, with the value that was given.
     pub message: String,
@@ -110,6 +129,11 @@ impl InputError {
         self
     }
 
+    /// The message of the command line: what is wrong, where with the line of the file, what is allowed, and help.
+    pub fn text(&self) -> String {
+        text::lines_of_input(self, text::Paint(false)).trim_end().to_owned()
+    }
+
     /// Points at the place in the file.
     #[must_use]
     pub fn at(mut self, place: Place) -> Self {
@@ -131,6 +155,12 @@ impl std::fmt::Display for InputError {
             write!(f, " (allowed: {})", self.allowed)?;
         }
         Ok(())
+    }
+}
+
+impl std::fmt::Debug for InputError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text())
     }
 }
 

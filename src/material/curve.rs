@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::{Error, InputError};
 use crate::units::Dimension;
 
 /// What happens past the last knot.
@@ -45,6 +46,12 @@ pub struct CurveError {
     pub row: usize,
     /// What is wrong, with the value.
     pub message: String,
+}
+
+impl From<CurveError> for Error {
+    fn from(error: CurveError) -> Self {
+        InputError::new(error.to_string()).help("correct this row of the stress-strain curve").into()
+    }
 }
 
 /// Straight between knots, starting at (0, 0); magnitudes; strain strictly increasing. Stress may fall (a yield

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::softening::AdiabaticState;
 use super::tabulate::refine;
 use super::{Beyond, Curve, CurveError, Material, SLOPE_ROUND_OFF, Sense};
+use crate::error::{Error, InputError};
 use crate::units::Dimension;
 
 /// Default fraction of the plastic work that is converted to heat (Taylor and Quinney 1934).
@@ -53,6 +54,17 @@ pub enum HeatingError {
     Missing(Vec<&'static str>),
     /// Its curve cannot be softened.
     Curve(CurveError),
+}
+
+impl From<HeatingError> for Error {
+    fn from(error: HeatingError) -> Self {
+        match error {
+            HeatingError::Missing(keys) => InputError::new(format!("the material has no `{}`", keys.join("`, `")))
+                .help("state it under `heat`")
+                .into(),
+            HeatingError::Curve(error) => error.into(),
+        }
+    }
 }
 
 impl Material {

@@ -8,6 +8,7 @@ use barwave::impact::{
     self, Beam, Blow, Elastic, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
 };
 use barwave::input::Document;
+use barwave::material::{Beyond, Curve};
 use barwave::record::store::{ResultFile, StoredScene};
 use barwave::record::{Field, Summary};
 use barwave::run;
@@ -146,6 +147,20 @@ fn spheres_that_hardly_close_are_refused() {
     let read = Problem::of_document(&Document::new("spheres.toml", text), Path::new("spheres.toml"), &[]);
     let Err(Error::Input(error)) = read else { panic!("accepted") };
     assert!(error.key == "striker.velocity" && error.message.contains("closing velocity of 1e-160 m/s"), "{error}");
+}
+
+#[test]
+fn errors_of_a_main_function_read_as_those_of_the_command_line() {
+    let error = pulled().set("solve.cfl", 1.5).build().expect_err("a wrong scene");
+    let shown = format!("{error:?}");
+    assert_eq!(shown, error.text());
+    assert!(shown.starts_with("`solve.cfl`: 1.5 is out of range\n") && !shown.contains("copper"), "{shown}");
+    for part in ["--> scene:", "cfl = 1.5", "allowed: 0 < cfl <= 1", "\nhelp: "] {
+        assert!(shown.contains(part), "no `{part}` in {shown}");
+    }
+    assert!(!error.to_string().contains('\n'));
+    let curve = || -> Result<Curve> { Ok(Curve::new(&[(0.0, 0.0), (0.2, 5e8), (0.1, 6e8)], Beyond::Extend)?) };
+    assert!(curve().expect_err("strains that fall").text().starts_with("row 3: "));
 }
 
 #[test]

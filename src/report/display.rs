@@ -147,9 +147,11 @@ impl Units {
         }
     }
 
-    /// For values up to `most` whose SI unit has this symbol.
+    /// For values up to `most` whose SI unit has this symbol, with spaces or, as older programs wrote it, with "*".
     pub(super) fn of_symbol(self, symbol: &str, most: f64) -> Unit {
-        let Some(dimension) = Dimension::ALL.iter().copied().find(|d| d.si_symbol() == symbol && !symbol.is_empty())
+        let symbol = symbol.replace('*', " ");
+        let Some(dimension) =
+            Dimension::ALL.iter().copied().find(|d| d.spaced_symbol() == symbol && !symbol.is_empty())
         else {
             return Unit::new(1.0, "");
         };
@@ -206,7 +208,9 @@ mod tests {
         // 1 ksi = 1000 lbf/in^2 = 6.894757293... MPa, to the digits usually printed.
         assert!((Units::Us.stress().factor * 6.894_757_293_168_36e6 - 1.0).abs() < 1e-14);
         assert_eq!(Units::Us.velocity().show(30.48), "100.0 ft/s");
-        assert_eq!(Units::Si.of_symbol("N*m", 2.0).label("torque"), "torque (N\u{b7}m)");
+        for symbol in ["N m", "N*m"] {
+            assert_eq!(Units::Si.of_symbol(symbol, 2.0).label("torque"), "torque (N\u{b7}m)");
+        }
         // 1 lb/in^3 = 27679.9047 kg/m^3.
         assert_eq!(Units::Us.density().number(27_679.904_71 * 0.284), "0.2840");
     }

@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::time::Instant;
 
+use super::distinct;
 use crate::error::{Error, Result};
 use crate::impact::Watch;
+use crate::record::ImpactSummary;
 use crate::record::store::{Header, check_output, write_impact};
-use crate::record::{ImpactSummary, MaterialRecord};
 use crate::scene::ImpactScene;
 
 /// Solves the impact and writes a result file if requested, with its missing folders; as for [`super::run`] it replaces only another result.
@@ -41,7 +42,7 @@ pub(crate) fn impact_to_checked_file(
             notes: summary.solution.warnings.clone(),
             ..Header::default()
         };
-        let materials: Vec<MaterialRecord> = scene.materials.iter().map(|m| MaterialRecord::from(m.as_ref())).collect();
+        let materials = distinct(scene.materials.iter().map(AsRef::as_ref));
         let result = (scene.problem.kind(), &summary.solution);
         write_impact(path, &header, &materials, result, started.elapsed().as_secs_f64())?;
         summary.output = path.display().to_string();

@@ -36,7 +36,7 @@ use crate::bar::{EndCondition, InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
 use crate::impact::{contact_is_wide, contact_yields};
 use crate::law::rupture::{Rupture, Site};
-use crate::material::Sense;
+use crate::material::{Material, Sense};
 use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer, check_output};
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
@@ -679,10 +679,14 @@ fn create_file(scene: &Scene, path: &Path, layout: &Layout, critical: Option<f64
 
 /// Each different material of the bar once.
 fn material_records(scene: &Scene) -> Vec<MaterialRecord> {
+    distinct(scene.bar.segments.iter().map(|segment| segment.material.as_ref()))
+}
+
+/// Each different one of the materials once.
+fn distinct<'a>(materials: impl Iterator<Item = &'a Material>) -> Vec<MaterialRecord> {
     let mut records: Vec<MaterialRecord> = Vec::new();
-    for segment in &scene.bar.segments {
-        let record = MaterialRecord::from(segment.material.as_ref());
-        if !records.iter().any(|r| r.name == record.name) {
+    for record in materials.map(MaterialRecord::from) {
+        if !records.contains(&record) {
             records.push(record);
         }
     }

@@ -36,6 +36,16 @@ macro_rules! dimensions {
                 match self { $(Self::$name => $symbol,)* }
             }
 
+            /// Symbol of the SI unit in files and tables, with spaces: "N s"; empty for plain numbers.
+            pub fn spaced_symbol(self) -> String {
+                self.si_symbol().replace('*', " ")
+            }
+
+            /// Unit in the attribute `units` of a dataset: "N s", and "1" for plain numbers.
+            pub fn units(self) -> String {
+                Some(self.spaced_symbol()).filter(|symbol| !symbol.is_empty()).unwrap_or_else(|| "1".to_owned())
+            }
+
             /// Exponents of m, kg, s, K. Angles are plain numbers, so that several dimensions have the same ones.
             pub(super) const fn exponents(self) -> Exponents {
                 match self { $(Self::$name => $exponents,)* }

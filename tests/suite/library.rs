@@ -13,6 +13,7 @@ use barwave::record::store::{ResultFile, StoredScene};
 use barwave::record::{Field, Summary};
 use barwave::run;
 use barwave::scene::{Problem, Scene, SceneBuilder};
+use hdf5::types::VarLenUnicode;
 
 fn pulled() -> SceneBuilder {
     Scene::builder()
@@ -190,4 +191,25 @@ fn wrong_calls_of_a_result_file_are_not_said_to_be_damage() {
         let Err(Error::Input(error)) = ended else { panic!("{message}: {ended:?}") };
         assert!(error.message.contains(message) && !error.allowed.is_empty(), "{error:?}");
     }
+}
+
+#[test]
+fn files_of_impacts_spell_units_as_those_of_bars_and_name_each_material_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, bar) = (folder.path().join("spheres.h5"), folder.path().join("bar.h5"));
+    let Ok(Problem::Impact(impact)) =
+        Problem::of_document(&Document::new("spheres.toml", SPHERES), Path::new("spheres.toml"), &[])
+    else {
+        panic!("an impact")
+    };
+    run::run_impact(&impact, Some(&path), &mut |_| ControlFlow::Continue(())).expect("it runs");
+    let file = ResultFile::open(&path).expect("a result");
+    let stored = file.impact().expect("readable").expect("an impact");
+    let units: Vec<&str> = stored.figures.iter().map(|(_, units, _)| units.as_str()).collect();
+    assert!(units.contains(&"N s") && !units.iter().any(|units| units.contains('*')), "{units:?}");
+    assert_eq!(file.materials().expect("readable").len(), 1);
+    run_to(&pulled().build().expect("a right scene"), &bar).expect("it runs");
+    let stress = hdf5::File::open(&bar).expect("HDF5").dataset("material/copper-annealed/compression_stress");
+    let name = stress.and_then(|stress| stress.attr("long_name")).and_then(|name| name.read_scalar::<VarLenUnicode>());
+    assert_eq!(name.expect("a long name").as_str(), "magnitude of the engineering stress in compression");
 }

@@ -198,9 +198,7 @@ pub(super) static GAUGE: &[Definition<Gauge>] = &[
 pub fn definitions() -> Vec<[String; 4]> {
     fn rows<S>(place: &str, table: &[Definition<S>]) -> Vec<[String; 4]> {
         let row = |d: &Definition<S>| {
-            let unit = d.dimension.si_symbol().replace('*', " ");
-            let unit = if unit.is_empty() { "1".to_owned() } else { unit };
-            [place.to_owned(), key(d.name, d.dimension), unit, d.description.to_owned()]
+            [place.to_owned(), key(d.name, d.dimension), d.dimension.units(), d.description.to_owned()]
         };
         table.iter().map(row).collect()
     }

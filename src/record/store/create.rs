@@ -268,8 +268,10 @@ pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted
 
 /// The curve as one, signed, and by sense, as magnitudes.
 fn build_branches(group: &Group, material: &MaterialRecord, names: [&str; 2]) -> Hdf<()> {
-    let of_sense =
-        |sense: &str, k: usize| (format!("{sense}_{}", ["strain", "stress"][k]), format!("{}, {sense}", names[k]));
+    let of_sense = |sense: &str, k: usize| {
+        let quantity = names[k].split(',').next().unwrap_or_default();
+        (format!("{sense}_{}", ["strain", "stress"][k]), format!("magnitude of the {quantity} in {sense}"))
+    };
     let column = |name: &str, k: usize, long_name: &str, values: &[f64]| -> Hdf<()> {
         let dataset = group.new_dataset::<f64>().shape(values.len()).create(name)?;
         dataset.write_raw(values)?;

@@ -34,13 +34,9 @@ pub(super) fn write<'a>(file: &File, figures: &Figures, mut gauges: impl Iterato
             write_profile(&place, profile)?;
         }
         for figure in &group.figures {
-            let units = match figure.dimension.si_symbol() {
-                "" => "1".to_owned(),
-                symbol => symbol.replace('*', " "),
-            };
             let dataset = place.new_dataset::<f64>().create(figure.name)?;
             dataset.write_scalar(&figure.value)?;
-            describe(&dataset, &units, figure.description)?;
+            describe(&dataset, &figure.dimension.units(), figure.description)?;
         }
     }
     Ok(())

@@ -49,15 +49,10 @@ pub fn write_impact(
     .map(|_| ())
 }
 
-/// Units of a dimension; 1 for plain numbers.
-fn units(symbol: &str) -> &str {
-    if symbol.is_empty() { "1" } else { symbol }
-}
-
 fn write_figure(group: &Group, figure: &Figure) -> Hdf<()> {
     let dataset = group.new_dataset::<f64>().create(figure.name)?;
     dataset.write_scalar(&figure.value)?;
-    describe(&dataset, units(figure.dimension.si_symbol()), figure.long_name)
+    describe(&dataset, &figure.dimension.units(), figure.long_name)
 }
 
 /// The group of a table, made with those above it.
@@ -72,7 +67,7 @@ fn write_table(group: &Group, table: &Table) -> Hdf<()> {
     for (index, column) in (0_u32..).zip(&table.columns) {
         let dataset = group.new_dataset::<f64>().shape(column.values.len()).create(column.name)?;
         dataset.write_raw(&column.values)?;
-        describe(&dataset, units(column.dimension.si_symbol()), column.long_name)?;
+        describe(&dataset, &column.dimension.units(), column.long_name)?;
         put_text(&dataset, "panel", column.panel)?;
         put(&dataset, "index", &index)?;
     }

@@ -122,7 +122,7 @@ impl Axis {
             }
             _ => return Err("an axis is a list of values, or a table such as { from = 1, to = 2, count = 11 }".into()),
         };
-        Ok(Self { key: key.to_owned(), unit: dimension.si_symbol().to_owned(), levels })
+        Ok(Self { key: key.to_owned(), unit: dimension.spaced_symbol(), levels })
     }
 }
 

@@ -140,7 +140,7 @@ fn column(name: &str, units: &str, values: Values) -> SweepColumn {
 
 /// As in the attribute `units`.
 fn unit_of(metric: &str) -> String {
-    dimension_of(metric).si_symbol().replace('*', " ")
+    dimension_of(metric).spaced_symbol()
 }
 
 /// Numbers (not a number where there is no value), or texts where one of them is a text.

@@ -21,6 +21,90 @@
 //! # Ok::<(), barwave::error::Error>(())
 //! ```
 //!
+//! # Materials and segments
+//!
+//! A key takes what it takes in a scene file. A curve is a table of strain and stress; several segments are a list of tables:
+//!
+//! ```
+//! use barwave::{run, scene::Scene};
+//! use std::ops::ControlFlow;
+//! use toml::{Table, Value};
+//!
+//! let (strain, stress) = ([0.0, 0.0015, 0.05, 0.2], [0.0, 300e6, 380e6, 450e6]);
+//! let rows: Vec<Vec<f64>> = strain.into_iter().zip(stress).map(|(strain, stress)| vec![strain, stress]).collect();
+//! let steel: Table = toml::from_str("name = 'my steel'\ndensity = 7850\nmodulus = 200e9\nbeyond = 'extend'")?;
+//! let curve = Table::from_iter([("table".to_owned(), Value::from(rows))]);
+//! let steel = steel.into_iter().chain([("curve".to_owned(), Value::Table(curve))]).collect::<Table>();
+//! let segment = |length: f64, area: f64| {
+//!     Table::from_iter([
+//!         ("length".to_owned(), Value::from(length)),
+//!         ("area".to_owned(), Value::from(area)),
+//!         ("material".to_owned(), Value::Table(steel.clone())),
+//!     ])
+//! };
+//! let scene = Scene::builder()
+//!     .set("bar.segment", vec![segment(0.5, 1e-4), segment(0.5, 2e-4)])
+//!     .set("left.kind", "velocity")
+//!     .set("left.value", -20.0)
+//!     .set("right.kind", "free")
+//!     .set("solve.until", 1e-4)
+//!     .build()?;
+//! // The same scene at other velocities: changed keys are checked again.
+//! for velocity in [-10.0, -40.0] {
+//!     let scene = scene.with(&[format!("left.value={velocity}")])?;
+//!     let solution = run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;
+//!     println!("{velocity} m/s: {:.4}", solution.summary.left.strain);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Result files
+//!
+//! ```
+//! use barwave::record::{Field, store::ResultFile};
+//! use barwave::{run, scene::Scene};
+//! use std::ops::ControlFlow;
+//!
+//! # let folder = tempfile::tempdir().expect("a folder");
+//! # let path = folder.path().join("out.h5");
+//! # let scene = Scene::builder().set("bar.length", 1.0).set("bar.material", "copper-annealed").set("left.kind", "velocity")
+//! #     .set("left.value", -30.0).set("right.kind", "free").set("solve.until", 1e-4).set("record.gauges.middle", 0.5).build()?;
+//! run::run(&scene, Some(&path), &mut |_| ControlFlow::Continue(()))?;
+//! let file = ResultFile::open(&path)?;
+//! let (x, time) = (file.x()?, file.time()?);
+//! let stress = file.field(Field::Stress, 0..time.len())?;
+//! assert_eq!(stress.dim(), (time.len(), x.len()));
+//! let middle = &file.gauges()?[0];
+//! println!("{}: {} rows at {} m", middle.name, middle.trace.time.len(), middle.x);
+//! # Ok::<(), barwave::error::Error>(())
+//! ```
+//!
+//! # Other impacts
+//!
+//! [`scene::Problem`] reads scenes of any kind, from a file or from text; [`run::run_impact`] solves those that are not waves in a bar.
+//! An impact can also be put together from the types of [`impact`].
+//!
+//! ```
+//! use barwave::{run, scene::Problem};
+//! use std::{ops::ControlFlow, path::Path};
+//!
+//! let text = "[spheres]\nradius = '10 mm'\nmaterial = 'mild-steel'\npoisson = 0.3\n\
+//!             [striker]\nradius = '10 mm'\nmaterial = 'mild-steel'\npoisson = 0.3\nvelocity = '1 m/s'\n";
+//! if let Problem::Impact(scene) = Problem::parse("spheres.toml", text, Path::new(""), &[])? {
+//!     let summary = run::run_impact(&scene, None, &mut |_| ControlFlow::Continue(()))?;
+//!     println!("peak force {:.0} N", summary.solution.figure("peak_force"));
+//!     # assert!(summary.solution.figure("peak_force") > 900.0);
+//! }
+//! # Ok::<(), barwave::error::Error>(())
+//! ```
+//!
+//! # Building
+//!
+//! HDF5 is compiled from source: a C compiler is needed, and cmake 3.26 or newer on `PATH` or named by the variable `CMAKE`. A program runs
+//! fast only when it is built with `--release`.
+//!
+//! # Layers
+//!
 //! Every file that is read or written is reported to the [`log`] facade at the level `Info`.
 //!
 //! The library is layered: a module imports only from those above it in this list.

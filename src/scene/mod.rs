@@ -57,6 +57,18 @@ impl Problem {
         Self::of_document(&Document::read_scene(path)?, path, overrides)
     }
 
+    /// Reads and checks a scene of any kind from text in memory, as [`Scene::parse`] does one with a bar.
+    ///
+    /// # Errors
+    /// As for [`Problem::read`].
+    pub fn parse(name: &str, text: &str, base_dir: &Path, overrides: &[String]) -> Result<Self> {
+        let document = Document::new(name, text);
+        let typed = Overrides::new(overrides)?;
+        let edited = typed.apply(&document)?;
+        let source = Source { document: &document, edited: &edited, base: base_dir, typed: &typed };
+        Self::of_source(source, None, impacts::kind(&document))
+    }
+
     /// The same of a file that has been read.
     ///
     /// # Errors
@@ -65,12 +77,13 @@ impl Problem {
         let typed = Overrides::new(overrides)?;
         let edited = typed.apply(document)?;
         let source = Source { document, edited: &edited, base: &folder(path), typed: &typed };
-        Self::of_source(source, path, impacts::kind(document))
+        Self::of_source(source, Some(path), impacts::kind(document))
     }
 
-    fn of_source(source: Source<'_>, path: &Path, kind: Option<&Kind>) -> Result<Self> {
+    fn of_source(source: Source<'_>, path: Option<&Path>, kind: Option<&Kind>) -> Result<Self> {
         let Some(kind) = kind else {
-            return Ok(Self::Bar(Box::new(Scene::of_source(source)?.at(path))));
+            let scene = Scene::of_source(source)?;
+            return Ok(Self::Bar(Box::new(if let Some(path) = path { scene.at(path) } else { scene })));
         };
         let checked = impacts::check(kind, source.edited, source.base);
         let mut scene = checked.map_err(|e| source.typed.explain(e, source.document))?;
@@ -115,7 +128,7 @@ impl Template {
         let typed = Overrides::new(overrides)?;
         let edited = typed.edit(&self.document, self.editable.clone())?;
         let source = Source { document: &self.document, edited: &edited, base: &self.base, typed: &typed };
-        Problem::of_source(source, &self.path, self.impact)
+        Problem::of_source(source, Some(&self.path), self.impact)
     }
 }
 

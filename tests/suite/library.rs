@@ -7,12 +7,11 @@ use barwave::error::{Error, InputError, Result};
 use barwave::impact::{
     self, Beam, Blow, Elastic, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
 };
-use barwave::input::Document;
 use barwave::material::{Beyond, Curve};
 use barwave::record::store::{ResultFile, StoredScene};
 use barwave::record::{Field, Summary};
 use barwave::run;
-use barwave::scene::{Problem, Scene, SceneBuilder};
+use barwave::scene::{ImpactScene, Problem, Scene, SceneBuilder};
 use hdf5::types::VarLenUnicode;
 
 fn pulled() -> SceneBuilder {
@@ -34,15 +33,19 @@ fn run_to(scene: &Scene, path: &Path) -> Result<Summary> {
 const SPHERES: &str = "[spheres]\nradius = 0.01\nmaterial = \"mild-steel\"\npoisson = 0.3\n[striker]\nradius = 0.01\n\
                        velocity = 1\nmaterial = \"mild-steel\"\npoisson = 0.3\n";
 
+fn spheres_scene() -> Box<ImpactScene> {
+    let Ok(Problem::Impact(impact)) = Problem::parse("spheres.toml", SPHERES, Path::new(""), &[]) else {
+        panic!("an impact")
+    };
+    impact
+}
+
 #[test]
 fn only_results_are_replaced() {
     let folder = tempfile::tempdir().expect("a folder");
     let (table, scene) = (folder.path().join("table.csv"), pulled().build().expect("a right scene"));
     std::fs::write(&table, "1,2\n").expect("written");
-    std::fs::write(folder.path().join("spheres.toml"), SPHERES).expect("written");
-    let Ok(Problem::Impact(impact)) = Problem::read(&folder.path().join("spheres.toml"), &[]) else {
-        panic!("an impact")
-    };
+    let impact = spheres_scene();
     let interval = std::time::Duration::from_secs(60);
     let refused = [
         run_to(&scene, &table).map(|_| ()),
@@ -145,7 +148,7 @@ fn impacts_out_of_range_are_errors_that_name_the_member() {
 #[test]
 fn spheres_that_hardly_close_are_refused() {
     let text = SPHERES.replace("velocity = 1\n", "velocity = 1e-160\n");
-    let read = Problem::of_document(&Document::new("spheres.toml", text), Path::new("spheres.toml"), &[]);
+    let read = Problem::parse("spheres.toml", &text, Path::new(""), &[]);
     let Err(Error::Input(error)) = read else { panic!("accepted") };
     assert!(error.key == "striker.velocity" && error.message.contains("closing velocity of 1e-160 m/s"), "{error}");
 }
@@ -170,11 +173,7 @@ fn wrong_calls_of_a_result_file_are_not_said_to_be_damage() {
     let (path, spheres) = (folder.path().join("out.h5"), folder.path().join("spheres.h5"));
     run_to(&pulled().set("record.frames", 11).build().expect("a right scene"), &path).expect("it runs");
     let file = ResultFile::open(&path).expect("a result");
-    let Ok(Problem::Impact(impact)) =
-        Problem::of_document(&Document::new("spheres.toml", SPHERES), Path::new("spheres.toml"), &[])
-    else {
-        panic!("an impact")
-    };
+    let impact = spheres_scene();
     run::run_impact(&impact, Some(&spheres), &mut |_| ControlFlow::Continue(())).expect("it runs");
     let of_impact = ResultFile::open(&spheres).expect("a result");
     assert!(file.field(Field::Stress, 0..11).is_ok());
@@ -197,11 +196,7 @@ fn wrong_calls_of_a_result_file_are_not_said_to_be_damage() {
 fn files_of_impacts_spell_units_as_those_of_bars_and_name_each_material_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let (path, bar) = (folder.path().join("spheres.h5"), folder.path().join("bar.h5"));
-    let Ok(Problem::Impact(impact)) =
-        Problem::of_document(&Document::new("spheres.toml", SPHERES), Path::new("spheres.toml"), &[])
-    else {
-        panic!("an impact")
-    };
+    let impact = spheres_scene();
     run::run_impact(&impact, Some(&path), &mut |_| ControlFlow::Continue(())).expect("it runs");
     let file = ResultFile::open(&path).expect("a result");
     let stored = file.impact().expect("readable").expect("an impact");

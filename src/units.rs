@@ -18,6 +18,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 pub use dimension::{Dimension, Measure, measures};
 pub use format::{format, scale_for};
 pub use magnitude::Magnitudes;
+pub(crate) use parse::is_like_unit;
 pub use scale::Scale;
 pub use sentence::in_units;
 

@@ -50,9 +50,9 @@ pub(super) fn rise_within_steps(scene: &Scene, dt: f64) -> bool {
 pub(super) fn tracked(scene: &Scene, dt: f64, until: f64) -> Vec<InitialFan> {
     let settings =
         Settings { event_budget: EVENTS, front_segments: true, ramp_step: Some(STEP), ..Settings::default() };
-    let rises = |origin: Origin, time: f64| rise_at(scene, origin, time, dt).is_some();
+    let rises = Rises::new(scene, dt);
     let at_once = |origin: Origin, time: f64| {
-        !rises(origin, time) && (time == 0.0 || can_close(scene, origin) || jumps(scene, origin, time))
+        rises.until(origin, time).is_none() && (time == 0.0 || can_close(scene, origin) || jumps(scene, origin, time))
     };
     let jumping = jumping(scene, dt);
     let mut fans = front_tracking(&jumping, settings).later_fans(until, at_once);
@@ -142,10 +142,24 @@ fn jumping(scene: &Scene, dt: f64) -> Scene {
     scene
 }
 
-/// When the rise of a load ends that begins at an end at this time, within some steps of `dt`, s.
-fn rise_at(scene: &Scene, origin: Origin, time: f64, dt: f64) -> Option<f64> {
-    let rises = end_at(scene, origin)?.history()?.rises(MOST_STEPS * dt);
-    rises.into_iter().find(|[from, _]| (from - time).abs() <= time * SAME_TIME).map(|[_, until]| until)
+/// The rises within some time steps of the loads of the left and the right end: from and to when, s.
+struct Rises([Vec<[f64; 2]>; 2]);
+
+impl Rises {
+    fn new(scene: &Scene, dt: f64) -> Self {
+        let of_end = |end: &EndCondition| end.history().map_or_else(Vec::new, |history| history.rises(MOST_STEPS * dt));
+        Self([of_end(&scene.left), of_end(&scene.right)])
+    }
+
+    /// When that one ends which begins at an end at this time, s.
+    fn until(&self, origin: Origin, time: f64) -> Option<f64> {
+        let rises = match origin {
+            Origin::Left => &self.0[0],
+            Origin::Right => &self.0[1],
+            Origin::Joint(_) => return None,
+        };
+        rises.iter().find(|[from, _]| (from - time).abs() <= time * SAME_TIME).map(|[_, until]| *until)
+    }
 }
 
 /// The `first` fans and those of the `later` ones, in order of time, that are as sharp on the grid.
@@ -157,12 +171,13 @@ pub(super) fn with_later(
 ) -> Vec<InitialFan> {
     // Where a load started without its fan the first cells are not in the state that front tracking gives them.
     let mut missed = Vec::new();
+    let rises = Rises::new(scene, grid.dt);
     for fans in later.chunk_by(|a, b| a.origin == b.origin && a.from == b.from) {
         let here = |fan: &InitialFan| fan.origin == fans[0].origin;
         if missed.contains(&fans[0].origin) {
             continue;
         }
-        let rises_until = rise_at(scene, fans[0].origin, fans[0].from, grid.dt);
+        let rises_until = rises.until(fans[0].origin, fans[0].from);
         let follows = match rises_until {
             Some(until) => rising(fans, until, scene, grid, late),
             None if fans[0].from == 0.0 => at_start(fans, scene),
@@ -197,7 +212,8 @@ pub(super) fn until_changes_come(first: Vec<InitialFan>, scene: &Scene, (grid, l
     let tracked = tracked(&in_halves(&stepped), grid.dt, latest);
     let together = |a: &InitialFan, b: &InitialFan| a.origin == b.origin && a.from == b.from;
     let whole = tracked.chunk_by(together).filter_map(|fans| in_whole_segments(fans, &stepped.bar)).flatten();
-    let jumps = |fan: &InitialFan| fan.from == 0.0 && rise_at(&stepped, fan.origin, 0.0, grid.dt).is_none();
+    let rises = Rises::new(&stepped, grid.dt);
+    let jumps = |fan: &InitialFan| fan.from == 0.0 && rises.until(fan.origin, 0.0).is_none();
     let (at_start, later): (Vec<InitialFan>, Vec<InitialFan>) = whole.partition(jumps);
     let started = |origin: Origin| first.iter().any(|fan| fan.origin == origin);
     let missed: Vec<Origin> = at_start.iter().map(|fan| fan.origin).filter(|&origin| !started(origin)).collect();
@@ -246,7 +262,8 @@ fn at_ends_of_segments(scene: &Scene, dt: f64) -> Vec<InitialFan> {
     // None of the waves from the middles of segments has come anywhere yet.
     let shortest = halves.bar.transit_times().into_iter().fold(f64::INFINITY, f64::min);
     let mut fans = tracked(&halves, dt, HARDLY_STARTED * shortest);
-    fans.retain(|fan| fan.from == 0.0 && rise_at(scene, fan.origin, 0.0, dt).is_none());
+    let rises = Rises::new(scene, dt);
+    fans.retain(|fan| fan.from == 0.0 && rises.until(fan.origin, 0.0).is_none());
     let of_one = fans.chunk_by(|a, b| a.origin == b.origin);
     of_one.filter_map(|fans| in_whole_segments(&at_start(fans, &halves)?, &scene.bar)).flatten().collect()
 }

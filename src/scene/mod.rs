@@ -184,7 +184,7 @@ pub struct SceneParts {
     pub right: EndCondition,
     /// Effects beyond the curve itself.
     pub effects: Effects,
-    /// `effects = "auto"`: [`Scene::effects`] is what was chosen so far.
+    /// `effects = "auto"`: `Self::effects` is what was chosen so far.
     pub auto: Option<Auto>,
     /// The folder that paths in the scene are relative to.
     pub base: PathBuf,

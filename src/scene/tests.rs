@@ -285,8 +285,10 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
         "time [us],velocity [ft/s]\n0,0\n10,-100\n",
         "time_us,end_velocity_ft/s\n0,0\n10,-100\n",
         "time [us],velocity_ft/s\n0,0\n10,-100\n",
+        "time us,end 2 velocity ft/s\n0,0\n10,-100\n",
         "# measured\n\"time (us)\";\"v (ft/s)\"\r\n0;0\r\n10;-100\r\n\r\n",
         "0\t0\n1e-5\t-30.48\n",
+        "time,velocity_left\n0,0\n1e-5,-30.48\n",
         "0,0\n10 us,-100 ft/s",
     ] {
         write(content);
@@ -296,10 +298,16 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
     for (content, line, part) in [
         ("time,v\n0,0\n1,2,3\n", 3, "3 columns"),
         ("time,v\n1e-6,0\n0,0\n", 3, "is earlier than the row before it"),
-        ("time [kg],v\n1,0\n", 2, "is a mass, but a time"),
+        ("time [kg],v\n1,0\n", 1, "is a mass, but a time"),
         ("0,0\nx,y\n", 2, "does not start with a number"),
         ("0,0\n-1,0\n", 2, "out of range"),
         ("time,v\n", 1, "at least one row"),
+        ("time_us,end_velocity_FT/s\n0,0\n", 1, "unknown unit `FT`; did you mean `ft`?"),
+        ("time_us,stress_MPa\n0,0\n", 1, "`MPa` is a stress, but a velocity is expected"),
+        ("time_us,stress Mpa\n0,0\n", 1, "unknown unit `Mpa`; did you mean `MPa`?"),
+        ("time_us,force_N/mm2\n0,0\n", 1, "in the heading `force_N/mm2`"),
+        ("time_mm,v\n0,0\n", 1, "`mm` is a length, but a time is expected"),
+        ("time_usec,v\n0,0\n", 1, "unknown unit `usec`"),
         ("velocity [m/s],time [us]\n0,0\n", 1, "the first column is `velocity [m/s]`, not a time"),
     ] {
         write(content);
@@ -327,8 +335,8 @@ fn histories_are_read_from_columns_of_records() {
         ", column = 3, start = \"-8 us\"",
         ", column = \"speed_ft/s\", time-column = 1, start = -8e-6",
     ] {
-        let left = read(keys).unwrap_or_else(|e| panic!("{keys}: {e}")).left;
-        let EndCondition::Velocity { ref history, .. } = left else { panic!("{left:?}") };
+        let scene = read(keys).unwrap_or_else(|e| panic!("{keys}: {e}"));
+        let EndCondition::Velocity { history, .. } = &scene.left else { panic!("{:?}", scene.left) };
         // A third of the first rise is over as the run begins; then the rows of -4, 0 and 10 us.
         for (time, feet) in [(0.0, -20.0 / 3.0), (4e-6, -20.0), (8e-6, -40.0), (18e-6, -40.0)] {
             assert!((history.at(time) / 0.3048 - feet).abs() < 1e-12, "{keys}: {:?}", history.at(time) / 0.3048);

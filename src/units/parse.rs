@@ -264,6 +264,12 @@ fn lowered(c: char) -> Option<char> {
     }
 }
 
+/// A word is a unit, or one misspelled: `MPa`, `Mpa`, `N/mm2`.
+pub(crate) fn is_like_unit(word: &str) -> bool {
+    let is_unit = Parser { rest: word, depth: 0 }.whole().is_ok();
+    is_unit || word.contains(['/', '^', '*']) || table::nearest(&word.replace(['\u{b5}', '\u{3bc}'], "u")).is_some()
+}
+
 fn unknown(shown: &str, plain: &str) -> String {
     if table::DEGREES.contains(&plain) {
         return format!("`{shown}` has an offset zero and cannot be part of a compound unit; use `K`");

@@ -10,7 +10,7 @@ use super::Checker;
 use crate::columns::{self, Cell};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Document, Number};
-use crate::units::{Dimension, Quantity, one};
+use crate::units::{Dimension, Quantity, is_like_unit, one};
 
 /// Made of rows, or which of them is wrong, and why.
 pub(super) type MadeOfRows<T> = std::result::Result<T, (usize, &'static str)>;
@@ -86,9 +86,11 @@ fn read<T>(
         };
         return Err(error.allowed(format!("a header that starts with {key}, or none")).help(help).into());
     }
-    let header = columns.header.as_ref();
-    let units = [(0, abscissa.dimension), (1, dimension)]
-        .map(|(column, dimension)| header.and_then(|row| unit(&row.cells[column].text, dimension)));
+    let unit_of = |column: usize, dimension| {
+        let heading = columns.header.as_ref().map(|row| &row.cells[column]);
+        heading.map_or(Ok(None), |cell| unit_of(document, cell, dimension))
+    };
+    let units = [unit_of(0, abscissa.dimension)?, unit_of(1, dimension)?];
     let mut pairs = Vec::with_capacity(columns.rows.len());
     for row in &columns.rows {
         let number = |column: usize, key: &str, dimension, allowed| {
@@ -118,12 +120,33 @@ impl Abscissa {
     }
 }
 
-/// The unit in `time [us]` or `time (us)`, or, of this dimension, in `time_us`.
-pub(super) fn unit(header: &str, dimension: Dimension) -> Option<&str> {
-    let Some(open) = header.find(['[', '(']) else {
-        return header.rsplit_once('_').map(|(_, unit)| unit.trim()).filter(|unit| one(unit, dimension).is_ok());
-    };
-    header[open + 1..].strip_suffix([']', ')']).map(str::trim).filter(|u| !u.is_empty())
+/// The unit in a heading; none where it has none.
+///
+/// # Errors
+/// It is no unit of this dimension.
+pub(super) fn unit_of<'a>(document: &Document, heading: &'a Cell, dimension: Dimension) -> Result<Option<&'a str>> {
+    let Some(unit) = unit(&heading.text, dimension) else { return Ok(None) };
+    let Err(reason) = one(unit, dimension) else { return Ok(Some(unit)) };
+    let (name, example, what) = (name(&heading.text, dimension), dimension.si_symbol(), dimension.describe());
+    let message = format!("in the heading `{}`: {}", heading.text, reason.replace("`1 ", "`"));
+    let error = document.error(heading.span.clone(), "", message);
+    Err(error.allowed(format!("a unit of {what}, or none")).help(format!("write e.g. `{name} [{example}]`")).into())
+}
+
+/// A heading without its unit.
+pub(super) fn name(heading: &str, dimension: Dimension) -> &str {
+    let end = unit(heading, dimension).and_then(|unit| heading.rfind(unit)).unwrap_or(heading.len());
+    heading[..end].trim_end_matches(['[', '(', '_', ' '])
+}
+
+/// The unit in `time [us]`, `time (us)`, `time_us` or `time us`; or what stands there in place of one. What follows an underscore or a blank may be a
+/// part of the name.
+fn unit(heading: &str, dimension: Dimension) -> Option<&str> {
+    if let Some(open) = heading.find(['[', '(']) {
+        return heading[open + 1..].strip_suffix([']', ')']).map(str::trim).filter(|unit| !unit.is_empty());
+    }
+    let unit = heading.trim().rsplit_once(['_', ' ']).map(|(_, unit)| unit)?;
+    (one(unit, dimension).is_ok() || is_like_unit(unit)).then_some(unit)
 }
 
 /// A cell is a number in its column's unit, or has a unit of its own.

@@ -2,14 +2,14 @@
 
 use super::super::raw::{Column, HistoryFile, RawHistoryRecord};
 use super::Checker;
-use super::csv_history::{Abscissa, quantity, unit};
+use super::csv_history::{Abscissa, name, quantity, unit_of};
 use super::ends::{ROWS, ROWS_HELP};
 use crate::bar::History;
 use crate::columns::{self, Table};
-use crate::error::{Place, Result};
+use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Document};
 use crate::typed::{Of, Placed};
-use crate::units::{Dimension, Measure, System, format, one};
+use crate::units::{Dimension, Measure, System, format};
 
 const TIME: Abscissa = Abscissa {
     key: "time",
@@ -38,14 +38,14 @@ impl Checker<'_> {
         let read = |path: &std::path::Path| Document::read_record(path).map(|(document, _)| document);
         let document = self.open(file.get_ref(), file.span(), &format!("{key}.file"), read)?;
         let mut table = columns::table(&document)?;
-        let columns = [(&record.time_column, "time-column", 0), (&record.column, "column", 1)];
-        let [time, value] = columns.map(|(column, name, default)| {
-            self.column(column.as_ref(), &table, &document, &format!("{key}.{name}"))
-                .map(|place| place.unwrap_or(default))
+        let dimensions = [Dimension::Time, self.dimension::<D>()];
+        let columns = [(&record.time_column, "time-column"), (&record.column, "column")];
+        let [time, value] = [0, 1].map(|k| {
+            let (column, name) = (columns[k].0.as_ref(), format!("{key}.{}", columns[k].1));
+            self.column(column, dimensions[k], &table, &document, &name).map(|place| place.unwrap_or(k))
         });
         let (places, scale) = ([time?, value?], self.si(&record.scale)?);
-        let dimensions = [Dimension::Time, self.dimension::<D>()];
-        let unit_of = |k: usize| unit_of(&document, &table, places[k], dimensions[k]);
+        let unit_of = |k: usize| unit_of_column(&document, &table, places[k], dimensions[k]);
         let units = [unit_of(0)?, if scale.is_some() { String::new() } else { unit_of(1)? }];
         table.keep(&document, places)?;
         let mut rows = Vec::with_capacity(table.rows.len());
@@ -72,11 +72,13 @@ impl Checker<'_> {
     fn column(
         &self,
         column: Option<&Placed<Column>>,
+        dimension: Dimension,
         table: &Table,
         document: &Document,
         key: &str,
     ) -> Result<Option<usize>> {
         let Some(column) = column else { return Ok(None) };
+        let name_of = |title: &str| name(title, dimension).to_owned();
         let found = table.column(document, &column.get_ref().to_string(), key, name_of).map_err(|e| {
             let (file, text) = (self.document.file.clone(), self.document.text.clone());
             e.at(Place { file, text, span: column.span() })
@@ -117,25 +119,15 @@ impl Checker<'_> {
 }
 
 /// The unit of a column: that in its heading, or below it; empty where there is none.
-fn unit_of(document: &Document, table: &Table, column: usize, dimension: Dimension) -> Result<String> {
+fn unit_of_column(document: &Document, table: &Table, column: usize, dimension: Dimension) -> Result<String> {
     let heading = table.header.as_ref().and_then(|line| line.cells.get(column));
-    let in_heading = heading.and_then(|cell| unit(&cell.text, dimension));
-    let unit = in_heading.unwrap_or_else(|| table.unit_below(column));
-    match one(unit, dimension) {
-        Err(reason) if !unit.is_empty() => {
-            let help = if dimension == Dimension::Time {
-                format!("write the unit of the times into the heading, as in `{}`", TIME.example)
-            } else {
-                format!("say what 1 {unit} stands for, e.g. scale = \"{}\"", dimension.example())
-            };
-            let span = heading.map_or(0..0, |cell| cell.span.clone());
-            Err(document.error(span, "", reason).allowed(dimension.describe()).help(help).into())
+    let in_heading = heading.map_or(Ok(None), |cell| unit_of(document, cell, dimension)).map_err(|e| match e {
+        Error::Input(error) if dimension != Dimension::Time => {
+            let help =
+                format!("{}; or say what a value of 1 stands for: scale = \"{}\"", error.help, dimension.example());
+            error.help(help).into()
         }
-        _ => Ok(unit.to_owned()),
-    }
-}
-
-/// What a heading says without the unit.
-fn name_of(title: &str) -> String {
-    title.split(['[', '(']).next().unwrap_or_default().trim().to_owned()
+        other => other,
+    })?;
+    Ok(in_heading.unwrap_or_else(|| table.unit_below(column)).to_owned())
 }

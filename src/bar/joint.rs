@@ -126,6 +126,13 @@ impl Contact {
         }
     }
 
+    /// The faces part that pressed on each other by this force (N) in a single step, of which [`Self::note`] has shown nothing.
+    pub fn part_after(&mut self, force: f64) {
+        if self.pressed.peak == 0.0 {
+            (self.pressed.peak, self.pressed.time_of_peak) = (force, self.pressed.pressed_until);
+        }
+    }
+
     /// The faces press on each other, by more than rounding.
     pub fn presses(&self) -> bool {
         self.pressed.duration > 0.0 && self.pressed.pressed_until == self.elapsed

@@ -16,11 +16,13 @@ pub(super) struct Joint {
     pub edge: usize,
     /// None where it is bonded.
     contact: Option<Contact>,
+    /// Force on the faces in the step before, N: what lasts for one step only is that of waves that the cells beside the joint have mixed, and no peak.
+    before: f64,
 }
 
 impl Joint {
     pub fn new(joint: bar::Joint, edge: usize) -> Self {
-        Self { edge, contact: Contact::new(joint) }
+        Self { edge, contact: Contact::new(joint), before: 0.0 }
     }
 
     /// The faces are suddenly loaded like this at t = 0; see [`Contact::load`].
@@ -83,15 +85,21 @@ impl Joint {
             return known.unwrap_or_else(|| closed_fluxes(0.0, parts, near, work));
         };
         let free = [under(0.0, -1.0, parts[0], &near[0], work), under(0.0, 1.0, parts[1], &near[1], work)];
+        let is_known = known.is_some();
         let closed = known.unwrap_or_else(|| closed_fluxes(contact.closing_rate(dt), parts, near, work));
         let force = -closed[0].stress * parts[0].area;
         if !contact.advance(dt, force, free[1].velocity - free[0].velocity) {
+            if self.before > 0.0 {
+                contact.part_after(self.before);
+            }
+            self.before = 0.0;
             return free;
         }
         if apart {
             contact.lose(force, dt * (closed[0].velocity - closed[1].velocity));
         }
-        contact.note(dt, force, f64::INFINITY);
+        contact.note(dt, force, if is_known { f64::INFINITY } else { self.before });
+        self.before = force;
         closed
     }
 }

@@ -101,7 +101,8 @@
 //! # Building
 //!
 //! HDF5 is compiled from source: a C compiler is needed, and cmake 3.26 or newer on `PATH` or named by the variable `CMAKE`. A program runs
-//! fast only when it is built with `--release`.
+//! fast only when it is built with `--release`. Tables as values of keys are those of the crate `toml` 1, the arrays of a solution those of
+//! `ndarray` 0.17.
 //!
 //! # Layers
 //!

@@ -135,6 +135,11 @@ impl InitialFan {
         slowest.map_or(0.0, |edge| delay + START_CELLS * dx / edge.speed)
     }
 
+    /// Part of what drives it that is gone when it has been followed for a time, s.
+    pub fn loses(&self, followed: f64) -> f64 {
+        self.fades * (followed.min(self.holds_until) - self.lessens_from).max(0.0)
+    }
+
     /// What drives it lessens while it holds.
     pub fn lessens(&self) -> bool {
         self.lessens_from < self.holds_until

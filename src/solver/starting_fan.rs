@@ -107,9 +107,6 @@ impl StartingFan {
         fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
         let followed = initial_fan.followed_for(dx, wave_speed);
         let wanted = (followed / dt).ceil();
-        // What its load loses meanwhile.
-        let lessens_for = followed.min(initial_fan.holds_until) - initial_fan.lessens_from;
-        let loses = initial_fan.fades * lessens_for.max(0.0);
         let possible = (initial_fan.known_until(dx * cells as f64) / dt).floor() - 1.0;
         let until_other_fans = if initial_fan.alone { cells } else { (cells - 1) / 2 };
         // Whatever is rounding: a bar and its mirror image have as many.
@@ -119,15 +116,12 @@ impl StartingFan {
         let first = if by_wave { started.round() } else { started.floor() };
         let fronts = fronts(initial_fan, wave_speed);
         let unloading_speed = initial_fan.unloading_speed(wave_speed);
-        let behind = fronts.iter().skip(1).map(|front| front.ahead[0]).chain([velocity_behind]);
-        let brought: Vec<_> =
-            fronts.iter().zip(behind).map(|(front, v)| [front.speed, front.delay, v - front.ahead[0]]).collect();
-        let unloading = initial_fan.lessens().then(|| Unloading::new(unloading_speed, brought.into_iter().rev()));
+        let brought = brought(&fronts, velocity_behind);
         Some(Self {
             side: usize::from(initial_fan.direction < 0.0),
             at_joint,
             driver: initial_fan.driver,
-            unloading,
+            unloading: initial_fan.lessens().then(|| Unloading::new(unloading_speed, brought)),
             yields_after: initial_fan.yields_after,
             placed: 0.0,
             owed: 0.0,
@@ -138,7 +132,7 @@ impl StartingFan {
             stress,
             impedance: density * unloading_speed,
             slow_impedance: density * initial_fan.slowing(wave_speed),
-            ramp: dx * ramp.min((2.0 * START_CELLS * BELOW / loses).max(LEAST_RAMP)),
+            ramp: dx * ramp.min((2.0 * START_CELLS * BELOW / initial_fan.loses(followed)).max(LEAST_RAMP)),
             from: initial_fan.from,
             by_wave,
             first: first as usize,
@@ -368,6 +362,13 @@ fn fronts(initial_fan: &InitialFan, wave_speed: f64) -> Vec<Front> {
         front
     };
     initial_fan.fan.edges.iter().zip(delays).map(front).collect()
+}
+
+/// Speeds of fronts (m/s), when they leave the end (s), and the velocities that they bring (m/s), the slowest first.
+fn brought(fronts: &[Front], velocity_behind: f64) -> Vec<[f64; 3]> {
+    let mut behind = velocity_behind;
+    let mut brings = |front: &Front| std::mem::replace(&mut behind, front.ahead[0]) - front.ahead[0];
+    fronts.iter().rev().map(|front| [front.speed, front.delay, brings(front)]).collect()
 }
 
 /// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises over `width` (s), by a polynomial without kinks in slope and

@@ -137,6 +137,15 @@ impl Filter {
         }
     }
 
+    /// The same where sideways motion makes cells heavier against changes of their length: the mass of a mode that alternates from cell to cell is
+    /// `mass` times that of the nodes. Impulses are that much less than those of cells without it, so that the force of the filter stays
+    /// that of a viscosity, which vanishes with the cell size. The whole share would take so much of the sideways motion in every step that cells next
+    /// to a free or loaded end flowed by less the smaller they are.
+    #[must_use]
+    pub fn with_mass(self, mass: f64) -> Self {
+        Self { zigzag: self.zigzag / mass, overshoot: self.overshoot / mass, ..self }
+    }
+
     /// Part of the velocity difference `mean` at the time of the stresses that artificial viscosity takes of a cell with this [flow](Cells::flow)
     /// under this stress: none where it does not flow on. A shock that reverses the stress `crosses` the elastic range and loads on the other side:
     /// there it takes a fixed part.

@@ -106,6 +106,8 @@ impl Leapfrog {
         }
         let mut leapfrog = Self::before_start(bar, grid, laws, ends);
         debug_assert!(leapfrog.contacts.is_empty());
+        let segments = leapfrog.constants.iter_mut().zip(&along.lateral).zip(&leapfrog.grid.segments);
+        segments.for_each(|((constants, &lateral), part)| *constants = constants.with_lateral(lateral, part.dx));
         leapfrog.share_edges();
         let mut velocities = vec![0.0; leapfrog.grid.cells() + 1];
         for block in &leapfrog.blocks {

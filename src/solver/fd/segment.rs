@@ -87,6 +87,13 @@ impl Constants {
             filter: Filter::new(c0, courant, Shocks::NONE),
         }
     }
+
+    /// The same with Love's lateral inertia of (nu r)^2 = `lateral` (m^2) in cells of `dx` (m), in which no waves are shocks.
+    #[must_use]
+    pub fn with_lateral(self, lateral: f64, dx: f64) -> Self {
+        Self { filter: self.filter.with_mass(1.0 + 4.0 * lateral / (dx * dx)), ..self }
+    }
+
     /// Velocity difference of neighbouring nodes that is rounding, m/s.
     pub fn rounding(&self) -> f64 {
         self.filter.rounding

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use crate::error::{InputError, Result};
 use crate::input::{Document, nearest};
-use crate::units::{self, Dimension};
+use crate::units::{Dimension, is_like_unit, one};
 
 /// A cell with its bytes in the text. In cells of numbers the decimal mark is a point.
 #[derive(Debug, Clone, PartialEq)]
@@ -208,7 +208,7 @@ fn is_number(cell: &Cell) -> bool {
 
 /// `(mm)`, `[kN]`, `MPa` or nothing, as in a line of units.
 fn is_unit(text: &str) -> bool {
-    let known = |dimension| units::one(text, dimension).is_ok();
+    let known = |dimension| one(text, dimension).is_ok();
     text.is_empty()
         || (text.starts_with(['(', '[']) && text.ends_with([')', ']']))
         || [Dimension::None, Dimension::Length, Dimension::Force, Dimension::Stress, Dimension::Time]
@@ -431,6 +431,35 @@ fn could_be_thousands(text: &str) -> bool {
     unsigned.split_once(',').is_some_and(|(whole, rest)| {
         (1..=3).contains(&whole.len()) && !whole.starts_with('0') && rest.len() == 3 && digits(whole) && digits(rest)
     })
+}
+
+/// The unit in a heading; none where it has none.
+///
+/// # Errors
+/// It is no unit of this dimension.
+pub(crate) fn unit_of<'a>(document: &Document, heading: &'a Cell, dimension: Dimension) -> Result<Option<&'a str>> {
+    let Some(unit) = unit(&heading.text, dimension) else { return Ok(None) };
+    let Err(reason) = one(unit, dimension) else { return Ok(Some(unit)) };
+    let (name, example, what) = (name(&heading.text, dimension), dimension.si_symbol(), dimension.describe());
+    let message = format!("in the heading `{}`: {}", heading.text, reason.replace("`1 ", "`"));
+    let error = document.error(heading.span.clone(), "", message);
+    Err(error.allowed(format!("a unit of {what}, or none")).help(format!("write e.g. `{name} [{example}]`")).into())
+}
+
+/// A heading without its unit.
+pub(crate) fn name(heading: &str, dimension: Dimension) -> &str {
+    let end = unit(heading, dimension).and_then(|unit| heading.rfind(unit)).unwrap_or(heading.len());
+    heading[..end].trim_end_matches(['[', '(', '_', ' '])
+}
+
+/// The unit in `time [us]`, `time (us)`, `time_us` or `time us`; or what stands there in place of one. What follows an underscore or a blank may be a
+/// part of the name.
+pub(crate) fn unit(heading: &str, dimension: Dimension) -> Option<&str> {
+    if let Some(open) = heading.find(['[', '(']) {
+        return heading[open + 1..].strip_suffix([']', ')']).map(str::trim).filter(|unit| !unit.is_empty());
+    }
+    let unit = heading.trim().rsplit_once(['_', ' ']).map(|(_, unit)| unit)?;
+    (one(unit, dimension).is_ok() || is_like_unit(unit)).then_some(unit)
 }
 
 #[cfg(test)]

@@ -603,6 +603,16 @@ fn records_that_cannot_be_reduced_are_refused() {
     refusal("long.csv", &["long.csv", "cannot be separated", "396.2 us", "striker shorter", "move the gauge"]);
     test.write(&path.join("plain.csv"), "time_us,incident,transmitted", [0.0; 2]);
     refusal("plain.csv", &["plain.csv:", "unit is not given", "|strain| <= 0.02", "incident_ue"]);
+    // Microseconds that were read as seconds ended in "move the gauge farther".
+    test.write(&path.join("seconds.csv"), "time,incident (ue),transmitted (ue)", [0.0; 2]);
+    refusal(
+        "seconds.csv",
+        &["seconds.csv:", " s, as a plain number since the unit is not given", "<= 0.1 s", "time_us"],
+    );
+    test.write(&path.join("usec.csv"), "time_usec,incident (ue),transmitted (ue)", [0.0; 2]);
+    refusal("usec.csv", &["usec.csv:1:1", "unknown unit `usec`", "a unit of a time, or none", "`time [s]`"]);
+    test.write(&path.join("mm.csv"), "time_mm,incident (ue),transmitted (ue)", [0.0; 2]);
+    refusal("mm.csv", &["mm.csv:1:1", "`mm` is a length, but a time is expected"]);
     let kept = |rows: &[f64], late: bool| rows.iter().skip(if late { 240 } else { 0 }).copied().collect();
     let late = Kolsky {
         time: kept(&test.time, true),

@@ -7,10 +7,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::Checker;
-use crate::columns::{self, Cell};
+use crate::columns::{self, Cell, unit, unit_of};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Document, Number};
-use crate::units::{Dimension, Quantity, is_like_unit, one};
+use crate::units::{Dimension, Quantity, one};
 
 /// Made of rows, or which of them is wrong, and why.
 pub(super) type MadeOfRows<T> = std::result::Result<T, (usize, &'static str)>;
@@ -118,35 +118,6 @@ impl Abscissa {
         let in_unit = |unit: &str| one(unit, self.dimension).is_ok();
         unit(header, self.dimension).is_some_and(in_unit) || self.names.contains(&name.as_str())
     }
-}
-
-/// The unit in a heading; none where it has none.
-///
-/// # Errors
-/// It is no unit of this dimension.
-pub(super) fn unit_of<'a>(document: &Document, heading: &'a Cell, dimension: Dimension) -> Result<Option<&'a str>> {
-    let Some(unit) = unit(&heading.text, dimension) else { return Ok(None) };
-    let Err(reason) = one(unit, dimension) else { return Ok(Some(unit)) };
-    let (name, example, what) = (name(&heading.text, dimension), dimension.si_symbol(), dimension.describe());
-    let message = format!("in the heading `{}`: {}", heading.text, reason.replace("`1 ", "`"));
-    let error = document.error(heading.span.clone(), "", message);
-    Err(error.allowed(format!("a unit of {what}, or none")).help(format!("write e.g. `{name} [{example}]`")).into())
-}
-
-/// A heading without its unit.
-pub(super) fn name(heading: &str, dimension: Dimension) -> &str {
-    let end = unit(heading, dimension).and_then(|unit| heading.rfind(unit)).unwrap_or(heading.len());
-    heading[..end].trim_end_matches(['[', '(', '_', ' '])
-}
-
-/// The unit in `time [us]`, `time (us)`, `time_us` or `time us`; or what stands there in place of one. What follows an underscore or a blank may be a
-/// part of the name.
-fn unit(heading: &str, dimension: Dimension) -> Option<&str> {
-    if let Some(open) = heading.find(['[', '(']) {
-        return heading[open + 1..].strip_suffix([']', ')']).map(str::trim).filter(|unit| !unit.is_empty());
-    }
-    let unit = heading.trim().rsplit_once(['_', ' ']).map(|(_, unit)| unit)?;
-    (one(unit, dimension).is_ok() || is_like_unit(unit)).then_some(unit)
 }
 
 /// A cell is a number in its column's unit, or has a unit of its own.

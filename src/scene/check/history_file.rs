@@ -2,10 +2,10 @@
 
 use super::super::raw::{Column, HistoryFile, RawHistoryRecord};
 use super::Checker;
-use super::csv_history::{Abscissa, name, quantity, unit_of};
+use super::csv_history::{Abscissa, quantity};
 use super::ends::{ROWS, ROWS_HELP};
 use crate::bar::History;
-use crate::columns::{self, Table};
+use crate::columns::{self, Table, name, unit_of};
 use crate::error::{Error, Place, Result};
 use crate::input::{Allowed, Document};
 use crate::typed::{Of, Placed};

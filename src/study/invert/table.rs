@@ -105,6 +105,11 @@ impl Table {
             .into())
     }
 
+    /// Whether the header gives the unit of a column.
+    pub(super) fn has_unit(&self, column: usize) -> bool {
+        self.units[column]
+    }
+
     /// What to say of a value whose column has no unit.
     pub(super) fn unit_note(&self, column: usize) -> &'static str {
         if self.units[column] { "" } else { ", as a plain number since the unit is not given" }
@@ -138,13 +143,20 @@ fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(
         let factor = factor.map_err(|reason| document.error(cell.span.clone(), "", reason).help(HEADER))?;
         return Ok(with_unit(name, factor));
     }
-    // `time_us`: what stands after the underscore may as well be part of the name.
-    if let Some((name, unit)) = title.rsplit_once('_') {
+    // `time_us`: what stands after the underscore of a strain may as well be part of the name.
+    let own = title.rsplit_once(['_', ' ']).map_or(title, |(name, _)| name).to_lowercase();
+    let of = dimension(&own);
+    if of != Dimension::None {
+        let factor = columns::unit_of(document, cell, of)?.and_then(|unit| one(unit, of).ok());
+        if let Some(factor) = factor {
+            return Ok(with_unit(columns::name(title, of).to_lowercase(), factor));
+        }
+    } else if let Some((name, unit)) = title.rsplit_once('_') {
         let name = name.to_lowercase();
         if unit == "ue" || unit == "microstrain" {
             return Ok(with_unit(name, 1e-6));
         }
-        if let Ok(factor) = one(unit, dimension(&name)) {
+        if let Ok(factor) = one(unit, Dimension::None) {
             return Ok(with_unit(name, factor));
         }
     }
@@ -186,6 +198,9 @@ mod tests {
             ("time_us,a\n1,x\n", "`x` is not a finite number"),
             ("time (kg),a\n1,2\n", "kg"),
             ("time_us,a\n1,nan\n", "not a finite number"),
+            ("time_usec,a\n1,2\n", "unknown unit `usec`"),
+            ("time_mm,a\n1,2\n", "`mm` is a length"),
+            ("time kN,a\n1,2\n", "`kN` is a force"),
         ] {
             let error = table(text).err().unwrap_or_else(|| panic!("{text}")).to_string();
             assert!(error.contains(words), "{text}: {error}");

@@ -38,7 +38,7 @@ pub struct Test {
 /// Reads the columns `time`, incident and transmitted strain (second and third column).
 ///
 /// # Errors
-/// A wrong file, other than three columns, times that decrease.
+/// A wrong file, other than three columns, times that decrease or are not in seconds.
 pub fn records_from_csv(path: &Path) -> Result<Records> {
     let of = |column: usize, _: &str| if column == 0 { Dimension::Time } else { Dimension::None };
     let table = Table::read(path, of)?;
@@ -50,10 +50,30 @@ pub fn records_from_csv(path: &Path) -> Result<Records> {
     if let Some(row) = time.windows(2).position(|pair| pair[1] < pair[0]) {
         return Err(table.error(row + 1, "the time is smaller than in the row before").help("sort the rows").into());
     }
+    short(&table, time)?;
     for (column, strain) in [incident, transmitted].into_iter().enumerate() {
         elastic(&table, column + 1, strain)?;
     }
     Ok(Records { incident: (time.clone(), incident.clone()), transmitted: (time.clone(), transmitted.clone()) })
+}
+
+/// The longest record whose times have no unit, s: in a longer one they are microseconds or milliseconds that are read as seconds. Waves run through
+/// 500 m of steel meanwhile.
+const LONGEST_WITHOUT_UNIT: f64 = 0.1;
+
+/// Refuses times without a unit that are not in seconds.
+fn short(table: &Table, time: &[f64]) -> Result<()> {
+    let lasts = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
+    if lasts <= LONGEST_WITHOUT_UNIT || table.has_unit(0) {
+        return Ok(());
+    }
+    let name = &table.names[0];
+    let message = format!("a record of {lasts} s{}", table.unit_note(0));
+    Err(table
+        .error_in(time.len() - 1, name, message)
+        .allowed(format!("<= {LONGEST_WITHOUT_UNIT} s if no unit is given"))
+        .help(format!("name the unit in the first line: {name}_us for microseconds, {name}_s for seconds"))
+        .into())
 }
 
 /// The largest strain of an elastic bar: more is microstrain or percent that is read as a plain number.

@@ -288,7 +288,7 @@ fn csv_histories_take_units_from_the_header_or_the_cells() {
         "time us,end 2 velocity ft/s\n0,0\n10,-100\n",
         "# measured\n\"time (us)\";\"v (ft/s)\"\r\n0;0\r\n10;-100\r\n\r\n",
         "0\t0\n1e-5\t-30.48\n",
-        "time,velocity_left\n0,0\n1e-5,-30.48\n",
+        "time_rel,velocity_left\n0,0\n1e-5,-30.48\n",
         "0,0\n10 us,-100 ft/s",
     ] {
         write(content);

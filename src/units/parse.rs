@@ -264,10 +264,11 @@ fn lowered(c: char) -> Option<char> {
     }
 }
 
-/// A word is a unit, or one misspelled: `MPa`, `Mpa`, `N/mm2`.
+/// A word is a unit, or meant as one: `MPa`, `Mpa`, `N/mm2`, `usec`.
 pub(crate) fn is_like_unit(word: &str) -> bool {
     let is_unit = Parser { rest: word, depth: 0 }.whole().is_ok();
-    is_unit || word.contains(['/', '^', '*']) || table::nearest(&word.replace(['\u{b5}', '\u{3bc}'], "u")).is_some()
+    let plain = word.replace(['\u{b5}', '\u{3bc}'], "u");
+    is_unit || word.contains(['/', '^', '*']) || plain.ends_with("sec") || table::in_another_case(&plain).is_some()
 }
 
 fn unknown(shown: &str, plain: &str) -> String {

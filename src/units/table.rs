@@ -140,15 +140,20 @@ pub(super) fn find(symbol: &str) -> Option<Unit> {
     })
 }
 
+fn known() -> impl Iterator<Item = String> {
+    let prefixed = UNITS.iter().filter(|u| u.prefixed);
+    let with_prefix = prefixed.flat_map(|u| ["M", "k", "G", "m", "u", "c", "n"].map(|p| format!("{p}{}", u.symbol)));
+    UNITS.iter().map(|u| u.symbol.to_owned()).chain(DEGREES.iter().map(|&d| d.to_owned())).chain(with_prefix)
+}
+
+/// The known symbol that is written like this but for capitals.
+pub(super) fn in_another_case(symbol: &str) -> Option<String> {
+    known().find(|k| k.eq_ignore_ascii_case(symbol))
+}
+
 /// The known symbol most like an unknown one: another case first ("mpa"), then few letters changed.
 pub(super) fn nearest(symbol: &str) -> Option<String> {
-    let known = || {
-        let prefixed = UNITS.iter().filter(|u| u.prefixed);
-        let with_prefix =
-            prefixed.flat_map(|u| ["M", "k", "G", "m", "u", "c", "n"].map(|p| format!("{p}{}", u.symbol)));
-        UNITS.iter().map(|u| u.symbol.to_owned()).chain(DEGREES.iter().map(|&d| d.to_owned())).chain(with_prefix)
-    };
-    if let Some(other_case) = known().find(|k| k.eq_ignore_ascii_case(symbol)) {
+    if let Some(other_case) = in_another_case(symbol) {
         return Some(other_case);
     }
     let limit = match symbol.chars().count() {

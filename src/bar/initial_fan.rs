@@ -145,8 +145,8 @@ impl InitialFan {
         self.lessens_from < self.holds_until
     }
 
-    /// The same, driven by this end of a segment: for as long as what that imposes from `settled` (s) on stays as it is, or lessens and takes away only
-    /// the slowest fronts.
+    /// The same, driven by this end of a segment: for as long as what that imposes from `settled` (s) on stays as it is, or lessens and does not use up
+    /// all plastic fronts.
     #[must_use]
     pub fn held_by(self, end: &EndCondition, at: &Segment, settled: f64) -> Self {
         let part = self.can_lose(at.material.c0());

@@ -59,7 +59,12 @@ impl Document {
 
     /// An error at a span of this document.
     pub fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
-        InputError::new(message).key(key).at(Place { file: self.file.clone(), text: self.text.clone(), span })
+        InputError::new(message).key(key).at(self.place(span))
+    }
+
+    /// A span of this document, for an error that was found elsewhere.
+    pub fn place(&self, span: Range<usize>) -> Place {
+        Place { file: self.file.clone(), text: self.text.clone(), span }
     }
 
     /// Converts and checks one number. `key` is dotted, as in `solve.cfl`.

@@ -63,7 +63,7 @@ impl Overrides {
             return one.place(error).into();
         }
         match original.span_of(&error.key) {
-            Some(span) => error.at(Place { file: original.file.clone(), text: original.text.clone(), span }).into(),
+            Some(span) => error.at(original.place(span)).into(),
             None => error.into(),
         }
     }

@@ -116,14 +116,16 @@ impl Unloading {
     /// The end sends F at a time, s.
     fn send(&mut self, time: f64, wave: f64) {
         let [last, before] = self.sent[self.sent.len() - 1];
-        let used_up = |front: &&Front| front.lasts > before.abs() && front.lasts < wave.abs();
-        let ends: Vec<Front> = self.fronts.iter().filter(used_up).copied().collect();
-        for front in ends {
+        let used_up = self.fronts.partition_point(|front| front.lasts <= before.abs())
+            ..self.fronts.partition_point(|front| front.lasts < wave.abs());
+        for k in used_up {
+            let front = self.fronts[k];
             let part = (front.lasts - before.abs()) / (wave.abs() - before.abs());
-            self.meet(last + part * (time - last), before + part * (wave - before), front);
+            let (time, wave) = (last + part * (time - last), before + part * (wave - before));
+            self.meet(time, wave, front);
             // The next front is farther away.
-            if let Some(&next) = self.fronts.get(self.fronts.partition_point(|other| other.lasts <= front.lasts)) {
-                self.meet(last + part * (time - last), before + part * (wave - before), next);
+            if let Some(&next) = self.fronts.get(k + 1) {
+                self.meet(time, wave, next);
             }
         }
         match self.weakened_by(before.abs().max(wave.abs())).copied() {

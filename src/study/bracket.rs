@@ -10,7 +10,7 @@ use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::material::{Material, Rate, Sense};
 use crate::record::{Compression, Field, Precision};
 use crate::scene::{Effects, HardeningRule, Heat, Method, Record, Scene, SceneParts, Solve};
-use crate::solver::fd::Quantity;
+use crate::solver::fd::{Leapfrog, Quantity};
 use crate::solver::moc::Settings;
 use crate::text_file::NamedFiles;
 use crate::wave::similarity;
@@ -211,6 +211,20 @@ fn follows(material: &Arc<Material>, sense: Sense, velocity: f64) -> bool {
     arrived && moves >= velocity * (1.0 - SLIP)
 }
 
+/// A bar whose end is to move with a velocity, and the steps of its run.
+fn moving_bar(
+    material: &Arc<Material>,
+    effects: &Effects,
+    sense: Sense,
+    grid: &Grid,
+    velocity: f64,
+) -> (Leapfrog, usize) {
+    let scene = scene(material, effects.clone(), sense, grid, velocity);
+    let bar = assemble::leapfrog(&scene, grid.cells, 1.0);
+    let steps = bar.grid().steps_to(scene.solve.until);
+    (bar, steps)
+}
+
 /// Strains of so many cells next to the end after the run at a velocity, magnitudes: what waves cannot carry away stays there.
 fn strains_at_end(
     material: &Arc<Material>,
@@ -219,9 +233,8 @@ fn strains_at_end(
     grid: &Grid,
     (velocity, cells): (f64, usize),
 ) -> Vec<f64> {
-    let scene = scene(material, effects.clone(), sense, grid, velocity);
-    let mut bar = assemble::leapfrog(&scene, grid.cells, 1.0);
-    bar.advance_by(bar.grid().steps_to(scene.solve.until));
+    let (mut bar, steps) = moving_bar(material, effects, sense, grid, velocity);
+    bar.advance_by(steps);
     (0..cells).map(|cell| bar.value(Quantity::Strain, cell).abs()).collect()
 }
 
@@ -233,9 +246,7 @@ fn largest_mean(
     grid: &Grid,
     (velocity, cells): (f64, usize),
 ) -> f64 {
-    let scene = scene(material, effects.clone(), sense, grid, velocity);
-    let mut bar = assemble::leapfrog(&scene, grid.cells, 1.0);
-    let steps = bar.grid().steps_to(scene.solve.until);
+    let (mut bar, steps) = moving_bar(material, effects, sense, grid, velocity);
     let mean_after_step = |_| {
         bar.advance_by(1);
         (0..cells).map(|cell| bar.value(Quantity::Strain, cell).abs()).sum::<f64>() / cells as f64

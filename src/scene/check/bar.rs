@@ -8,7 +8,7 @@ use super::super::raw::{INITIAL, MaterialChoice, RawBar, RawJoint, RawPiece, Raw
 use super::Checker;
 use super::distribution::Values;
 use crate::bar::{Bar, Joint, Segment};
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Result};
 use crate::input::GivenKey;
 use crate::material::{self, Material};
 use crate::typed::{Key, Placed};
@@ -131,8 +131,7 @@ impl Checker<'_> {
         if error.place.is_some() {
             return error.into();
         }
-        let (file, text) = (self.document.file.clone(), self.document.text.clone());
-        error.key(key).at(Place { file, text, span: choice.span() }).into()
+        error.key(key).at(self.document.place(choice.span())).into()
     }
 
     fn joint(&self, raw: &RawSegment, key: &str, last: bool) -> Result<Joint> {

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::Checker;
 use crate::columns::{self, Cell, unit, unit_of};
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Result};
 use crate::input::{Allowed, Document, Number};
 use crate::units::{Dimension, Quantity, one};
 
@@ -43,10 +43,9 @@ impl Checker<'_> {
     ) -> Result<T> {
         read(&self.base.join(path)).map_err(|e| match e {
             Error::Input(error) => {
-                let (file, text) = (self.document.file.clone(), self.document.text.clone());
                 let relative = "the path is relative to the scene file".to_owned();
                 let help = if error.message.contains("no such file") { relative } else { error.help.clone() };
-                error.key(key).help(help).at(Place { file, text, span }).into()
+                error.key(key).help(help).at(self.document.place(span)).into()
             }
             other => other,
         })

@@ -6,7 +6,7 @@ use super::csv_history::{Abscissa, quantity};
 use super::ends::{ROWS, ROWS_HELP};
 use crate::bar::History;
 use crate::columns::{self, Table, name, unit_of};
-use crate::error::{Error, Place, Result};
+use crate::error::{Error, Result};
 use crate::input::{Allowed, Document};
 use crate::typed::{Of, Placed};
 use crate::units::{Dimension, Measure, System, format};
@@ -79,11 +79,8 @@ impl Checker<'_> {
     ) -> Result<Option<usize>> {
         let Some(column) = column else { return Ok(None) };
         let name_of = |title: &str| name(title, dimension).to_owned();
-        let found = table.column(document, &column.get_ref().to_string(), key, name_of).map_err(|e| {
-            let (file, text) = (self.document.file.clone(), self.document.text.clone());
-            e.at(Place { file, text, span: column.span() })
-        });
-        Ok(Some(found?))
+        let found = table.column(document, &column.get_ref().to_string(), key, name_of);
+        Ok(Some(found.map_err(|e| e.at(self.document.place(column.span())))?))
     }
 
     /// The rows from the start on, which becomes t = 0; and the first row that is one of them. Between two rows the value there is

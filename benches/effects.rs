@@ -55,7 +55,8 @@ fn share_of_audit(cells: usize, rates: &str) -> f64 {
     let mut bar = assemble::leapfrog(&scene, cells, 1.0);
     let off = Off { unloading: true, rate: true, heat: true, rupture: true, lateral_inertia: true };
     let (until, ends) = (scene.solve.until, [&scene.left, &scene.right]);
-    let mut audit = Audit::new(&Case { bar: &scene.bar, ends, until, tolerance: 0.01, off, cells: Some(cells) });
+    let mut audit =
+        Audit::new(&Case { bar: &scene.bar, ends, until, tolerance: 0.01, off, torsion: false, cells: Some(cells) });
     let places = Sampling::at(bar.grid(), audit.places().to_vec());
     let steps = (until / bar.grid().dt) as usize;
     let (mut stepping, mut looking) = (0.0, 0.0);

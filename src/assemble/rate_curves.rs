@@ -76,6 +76,8 @@ fn lifted(curve: &Curve, modulus: f64, law: Overstress, time: f64) -> Curve {
     };
     let mut rows: Vec<(f64, f64)> = flowed.iter().map(knot).collect();
     rows.dedup_by(|next, row| next.0 <= row.0 * (1.0 + SAME));
+    // Its table ends at the ultimate point.
+    let beyond = if curve.ultimate().is_some() { Beyond::Rupture } else { curve.beyond() };
     // A curve that never yields stays as it is.
-    Curve::new(&rows, curve.beyond()).unwrap_or_else(|_| curve.clone())
+    Curve::new(&rows, beyond).unwrap_or_else(|_| curve.clone())
 }

@@ -168,6 +168,12 @@ impl InitialProfile {
         self.tables().iter().all(|table| table.0.value().iter().all(|value| *value == table.0.value()[0]))
     }
 
+    /// Some place of it is stressed, has flowed or is warm: not the velocity alone changes.
+    pub fn has_state(&self) -> bool {
+        let [_, state @ ..] = self.tables();
+        state.iter().any(|table| table.largest() > 0.0)
+    }
+
     /// A quantity changes between jumps.
     pub fn has_slopes(&self) -> bool {
         self.tables().iter().any(|table| table.0.has_ramp())

@@ -121,7 +121,12 @@ impl InitialFan {
     /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
     /// other wave has come. 0 where that state is not known.
     pub fn known_until(&self, length: f64) -> f64 {
-        let Some(first) = self.fan.edges.first().filter(|_| self.state_behind().is_some()) else { return 0.0 };
+        if self.state_behind().is_some() { self.alone_for(length) } else { 0.0 }
+    }
+
+    /// Time (s) up to which what drives it does not change, and no other wave has come, in a segment of this `length` (m).
+    pub(super) fn alone_for(&self, length: f64) -> f64 {
+        let Some(first) = self.fan.edges.first() else { return 0.0 };
         // Other waves may come to meet it from the far side.
         let room = if self.alone { length } else { 0.5 * length }.min(self.uniform_for);
         (room / first.speed).min(self.holds_until)
@@ -227,9 +232,17 @@ impl InitialFan {
 
     /// Stress (Pa) and velocity (m/s) behind it; none above the critical velocity or beyond the data of the curve.
     pub fn state_behind(&self) -> Option<[f64; 2]> {
-        let known = !self.fan.above_critical && !self.fan.beyond_data;
+        (!self.fan.above_critical && !self.fan.beyond_data).then(|| self.behind_fronts())
+    }
+
+    /// The same of an end that moves faster than the curve carries away: the ultimate stress, and the velocity of the bar.
+    pub(super) fn state_above_critical(&self) -> Option<[f64; 2]> {
+        (self.fan.above_critical && self.driver != Driver::Stress).then(|| self.behind_fronts())
+    }
+
+    fn behind_fronts(&self) -> [f64; 2] {
         let sense = self.sense.sign();
-        known.then_some([sense * self.fan.stress, self.velocity_ahead - self.direction * sense * self.fan.velocity])
+        [sense * self.fan.stress, self.velocity_ahead - self.direction * sense * self.fan.velocity]
     }
 }
 

@@ -142,6 +142,22 @@ impl Bar {
         resting && !self.has_initial_state() && (0..self.segments.len() - 1).all(bonded)
     }
 
+    /// The same bar, but that segments which are uniformly warm at t = 0 have the curves of that temperature instead.
+    #[must_use]
+    pub fn on_warm_curves(&self) -> Self {
+        let mut bar = self.clone();
+        for segment in bar.segments.iter_mut().filter(|segment| segment.profile.is_none()) {
+            let rise = segment.initial.temperature_rise;
+            if rise > 0.0
+                && let Some(warm) = segment.material.at_rise(rise)
+            {
+                segment.material = Arc::new(warm);
+                segment.initial.temperature_rise = 0.0;
+            }
+        }
+        bar
+    }
+
     /// The same bar, not stressed, cold and not yielded at t = 0; velocities that change along a segment are their means.
     #[must_use]
     pub fn without_initial_state(&self) -> Self {

@@ -15,8 +15,9 @@ pub struct SuddenLoad {
     pub stress: f64,
     /// Behind the fan, m/s.
     pub velocity: f64,
-    /// Of an end that a body drives: change of stress with velocity in unloading, Pa s/m.
-    pub(super) by_body: Option<f64>,
+    /// Where the velocity of the end is that of the scheme: change of stress with it, Pa s/m. Of an end that a body drives, that of unloading; 0 of one
+    /// that moves faster than the curve carries away.
+    pub(super) slope: Option<f64>,
     /// Start, s: later than 0 if a gap closes first.
     pub(super) from: f64,
     /// Duration, s.
@@ -50,8 +51,8 @@ impl SuddenLoad {
     /// Stress (Pa) and velocity (m/s) of an end at `time` (s), given those of the scheme; none outside the time of the load, and where nothing is carried.
     pub fn end(&self, time: f64, [stress, velocity]: [f64; 2]) -> Option<[f64; 2]> {
         let weight = self.weight(time).filter(|_| !self.has_parted(time, stress))?;
-        if let Some(impedance) = self.by_body {
-            return Some([self.blend(time, self.stress + impedance * (velocity - self.velocity), stress), velocity]);
+        if let Some(slope) = self.slope {
+            return Some([self.blend(time, self.stress + slope * (velocity - self.velocity), stress), velocity]);
         }
         let faster = self.fading.map_or(0.0, |fading| fading.faster * self.earliness(time));
         Some([self.blend(time, self.stress, stress), mean(weight, self.velocity + faster, velocity)])

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::{output, settings};
 use crate::error::Result;
-use crate::material::{Beyond, Curve, Material, Sense, library};
+use crate::material::{Beyond, Curve, Loading, Material, Sense, library};
 use crate::study::critical::critical;
 
 mod import;
@@ -191,7 +191,7 @@ fn describe(m: &Material) -> String {
     add("origin", m.provenance.origin.clone());
     let lines: Vec<_> = lines.iter().map(|(name, value)| format!("{name:<15} {value}\n")).collect();
     let mut text = lines.concat();
-    text += &branch("tension", &m.tension);
+    text += &branch(if m.loading == Loading::Shear { "shear" } else { "tension" }, &m.tension);
     if let Some(compression) = &m.compression {
         text += &branch("compression", compression);
     }

@@ -75,6 +75,7 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
         poisson: keys.si(&raw.poisson)?,
         table_error: errors[0].max(errors[1]),
         branch_errors: errors,
+        shear_from_tension: None,
         constants,
         heating: None,
         scatter: scatter.map(Box::new),

@@ -93,7 +93,8 @@ impl Material {
         };
         let mut material = self.clone();
         if heating.warms() {
-            let soft = |curve: &Curve| heating.adiabatic(curve, self.modulus).map_err(HeatingError::Curve);
+            let cold = AdiabaticState::at(heating.exponent, 0.0);
+            let soft = |curve: &Curve| heating.softened(curve, self.modulus, cold).map_err(HeatingError::Curve);
             material.tension = soft(&self.tension)?;
             material.compression = self.compression.as_ref().map(soft).transpose()?;
         }
@@ -101,6 +102,23 @@ impl Material {
         heating.work = curves.map(|curve| WorkTable::new(curve, self.modulus)).collect();
         material.heating = Some(Box::new(heating));
         Ok(material)
+    }
+
+    /// This heated material, for loading that starts `rise` (K) above the reference temperature: its curves alone, without the temperatures along
+    /// them. None where it is not heated, or a curve at that temperature is none.
+    #[must_use]
+    pub fn at_rise(&self, rise: f64) -> Option<Self> {
+        let heating = self.heating.as_ref()?;
+        let warm = |curve: &Curve| {
+            let start = AdiabaticState::at(heating.exponent, rise / heating.range());
+            heating.softened(curve, self.modulus, start).ok()
+        };
+        let tension = warm(&heating.cold[0])?;
+        let compression = match heating.cold.get(1) {
+            Some(curve) => Some(warm(curve)?),
+            None => None,
+        };
+        Some(Self { tension, compression, ..self.clone() })
     }
 
     /// Its curves are adiabatic ones.
@@ -154,21 +172,21 @@ impl Heating {
         1.0 - if self.exponent == 1.0 { share } else { power(share, self.exponent) }
     }
 
-    /// The adiabatic curve of a cold one: stress f(p) g(T(p)) at the strain p + stress/E. The drop that follows its largest
-    /// stress is part of it. Knots are added so that it is within [`TOLERANCE`].
-    fn adiabatic(&self, cold: &Curve, modulus: f64) -> Result<Curve, CurveError> {
+    /// The adiabatic curve of a cold one, for loading that starts in this state: stress f(p) g(T(p)) at the strain p + stress/E. The drop that follows
+    /// its largest stress is part of it. Knots are added so that it is within [`TOLERANCE`].
+    fn softened(&self, cold: &Curve, modulus: f64, start: AdiabaticState) -> Result<Curve, CurveError> {
         let omega = self.rise_per_work() / self.range();
         let top = cold.stress().iter().copied().fold(0.0, f64::max);
-        let mut adiabatic = AdiabaticState::cold(self.exponent);
+        let (mut adiabatic, at_first) = (start, start.strength());
         let mut rows: Vec<(f64, f64)> = Vec::new();
         let knots = flow_knots(cold, modulus);
         for (k, pair) in knots.windows(2).enumerate() {
             let [(p, f), (p_end, f_end)] = [pair[0], pair[1]];
             let width = p_end - p;
             if width == 0.0 {
-                // Along the elastic line nothing flows. Before the first flow the cold knots themselves are kept.
+                // Along the elastic line nothing flows. Before the first flow the cold knots themselves are kept, scaled.
                 let stress = f_end * adiabatic.strength();
-                let strain = if p == 0.0 { cold.strain()[k + 1] } else { p + stress / modulus };
+                let strain = if p == 0.0 { cold.strain()[k + 1] * at_first } else { p + stress / modulus };
                 rows.push((strain, stress));
                 continue;
             }

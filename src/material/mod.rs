@@ -139,6 +139,10 @@ pub struct Material {
     pub branch_errors: [f64; 2],
     /// What else the file states: the law behind the table, rate and heat constants.
     pub constants: Constants,
+    /// Shear modulus over Young's of a curve that was converted from tension, see [`Material::in_shear`]: the constants of rate laws are those of
+    /// tension.
+    #[serde(skip)]
+    pub shear_from_tension: Option<f64>,
     /// Set where plastic work heats the material: the curves above are then the adiabatic ones, see [`Material::heated`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heating: Option<Box<Heating>>,
@@ -179,6 +183,7 @@ impl Material {
             table_error: 0.0,
             branch_errors: [0.0; 2],
             constants: Constants::default(),
+            shear_from_tension: None,
             heating: None,
             scatter: None,
             provenance: Provenance::default(),

@@ -132,6 +132,22 @@ impl Rate {
         self.has_temperature() && !stated && material.can_flow()
     }
 
+    /// The law of tension in shear, by von Mises' rule: of tau = sigma/sqrt(3), and of a plastic shear strain rate that is sqrt(3) times the plastic strain
+    /// rate. `ratio` is the shear modulus over Young's.
+    #[must_use]
+    pub fn in_shear(self, ratio: f64) -> Self {
+        let root = 3.0_f64.sqrt();
+        match self {
+            Self::Malvern { k } => Self::Malvern { k: 3.0 * ratio * k },
+            Self::CowperSymonds { d, q } => Self::CowperSymonds { d: root * d, q },
+            Self::JohnsonCook { c, reference } => Self::JohnsonCook { c, reference: root * reference },
+            Self::ZerilliArmstrong { c1, c3, c4, reference } => {
+                Self::ZerilliArmstrong { c1: c1 / root, c3: c3 + c4 * root.ln(), c4, reference: root * reference }
+            }
+            Self::Material => self,
+        }
+    }
+
     /// As it is listed: "malvern k = 1e6 1/s".
     pub fn describe(self) -> String {
         let (keys, values) = self.stated();

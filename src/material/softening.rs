@@ -23,9 +23,9 @@ pub(super) struct AdiabaticState {
 }
 
 impl AdiabaticState {
-    /// A cold piece; `exponent` is m > 0.
-    pub fn cold(exponent: f64) -> Self {
-        Self { exponent, x: 0.0 }
+    /// A piece at theta = `share`, from 0 (cold) to less than 1; `exponent` is m > 0.
+    pub fn at(exponent: f64, share: f64) -> Self {
+        Self { exponent, x: -(-share).ln_1p() }
     }
 
     /// theta, 0 to 1.
@@ -105,19 +105,19 @@ mod tests {
     #[test]
     fn known_integrals_of_the_softening() {
         for omega in [1e-9, 1e-3, 0.1, 0.9, 3.0, 12.0] {
-            let share = |m| AdiabaticState::cold(m).after(omega).share();
+            let share = |m| AdiabaticState::at(m, 0.0).after(omega).share();
             // m = 1: 1 - exp(-omega); m = 2: tanh; and the way from cold may be taken in parts.
             assert!((share(1.0) / -(-omega).exp_m1() - 1.0).abs() < 1e-12, "{omega}");
             assert!((share(2.0) / omega.tanh() - 1.0).abs() < 1e-12, "{omega}");
             for m in [0.3, 0.55, 1.34, 7.5] {
-                let parts = (0..10).fold(AdiabaticState::cold(m), |w, _| w.after(0.1 * omega));
+                let parts = (0..10).fold(AdiabaticState::at(m, 0.0), |w, _| w.after(0.1 * omega));
                 assert!((parts.share() / share(m) - 1.0).abs() < 1e-11, "{m} {omega}");
             }
         }
         // m = 1/2, with u^2 = theta: omega = 2 (-u - ln(1 - u)).
         for u in [1e-4_f64, 0.1, 0.5, 0.9] {
             let omega = 2.0 * (-u - (-u).ln_1p());
-            let share = AdiabaticState::cold(0.5).after(omega).share();
+            let share = AdiabaticState::at(0.5, 0.0).after(omega).share();
             assert!((share / (u * u) - 1.0).abs() < 1e-9, "{u}: {share}");
         }
     }
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn it_never_melts_quite() {
         for m in [0.2, 1.0, 5.0] {
-            let warm = AdiabaticState::cold(m).after(1e6);
+            let warm = AdiabaticState::at(m, 0.0).after(1e6);
             assert!(warm.share() <= 1.0 && warm.strength() >= 0.0 && warm.strength() < 1e-9, "{m} {warm:?}");
         }
     }

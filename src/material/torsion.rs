@@ -113,7 +113,8 @@ impl Material {
     /// This material, known in tension, in shear by von Mises' rule, from its true curve: tau = sigma/sqrt(3), plastic shear strain sqrt(3) times plastic
     /// strain, G = E/(2 (1 + nu)). A twisted section does not shrink, so nothing necks: past the largest engineering stress in tension, the curve goes on as
     /// that in compression does, if both are one true curve; else its data end there. Straight segments of an engineering table are curved in shear, and get
-    /// knots so that the table is within 3e-5 of the largest shear stress. Tables made of a law or of true stresses have rows enough.
+    /// knots so that the table is within 3e-5 of the largest shear stress. Tables made of a law or of true stresses have rows enough. The constants of
+    /// rate laws are kept as they are in tension; [`super::Rate::in_shear`] converts them.
     ///
     /// # Errors
     /// What is missing.
@@ -138,6 +139,7 @@ impl Material {
             // A difference in engineering stress is larger by 1 + strain in true stress.
             table_error: self.table_error * (1.0 + end) / ROOT_3 + table.error,
             branch_errors: [0.0; 2],
+            shear_from_tension: Some(modulus / self.modulus),
             ..self.clone()
         })
     }

@@ -92,7 +92,7 @@ pub struct AutoChoice {
     pub on: bool,
     /// Why, with the figures.
     pub why: String,
-    /// Estimated relative change of the stress that it makes.
+    /// Estimated relative change of the stress that it makes; infinite (null in JSON) where a field that is recorded needs it.
     pub estimate: f64,
     /// 0: before the first run; otherwise after which run it was found to be missing.
     pub round: usize,

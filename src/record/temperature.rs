@@ -9,10 +9,11 @@ const UNCERTAIN: f64 = 1.0;
 /// Fraction of the plastic strain that must have been reversed before a place counts as one that flowed in both senses.
 const BOTH_SENSES: f64 = 1e-6;
 
-/// The largest of some temperatures above the reference temperature, K; none where nothing heats the material.
-pub fn largest_rise(material: &Material, temperatures: impl Iterator<Item = f64>) -> Option<f64> {
+/// The largest rise of some temperatures (K), each given with how far its place was above the reference temperature at t = 0, K; none where nothing
+/// heats the material.
+pub fn largest_rise(material: &Material, temperatures: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let reference = material.heating.as_ref()?.reference_temperature;
-    Some(temperatures.map(|t| t - reference).fold(0.0, f64::max))
+    Some(temperatures.map(|(temperature, at_start)| temperature - (reference + at_start)).fold(0.0, f64::max))
 }
 
 /// A material with different curves in tension and compression some of whose places flowed in both senses, on its adiabatic

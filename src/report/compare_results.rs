@@ -22,7 +22,7 @@ pub fn figure(files: &[ResultFile], differences: &[Difference], field: Option<Fi
     let mut panels = Vec::new();
     if let Some(field) = shown {
         panels.extend(profiles(files, &names, differences, field)?);
-        panels.push(difference_in_time(&names, differences, field));
+        panels.push(difference_in_time(&names, differences, (field, files[0].is_in_torsion())));
     }
     panels.extend(histories(files, &names)?);
     Ok(draw("Results side by side", &panels))
@@ -32,9 +32,9 @@ fn name(file: &ResultFile) -> String {
     file.path().file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn unit_label(field: Field) -> (Unit, String) {
+fn unit_label(field: Field, torsion: bool) -> (Unit, String) {
     let unit = Units::Si.field(field);
-    (unit, unit.label(field_name(field)))
+    (unit, unit.label(field_name(field, torsion)))
 }
 
 /// The field along the bar at the time of the largest difference of all.
@@ -42,7 +42,7 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
     let largest = all.iter().flat_map(|d| d.fields.iter().filter(|f| f.field == field));
     let largest = largest.max_by(|a, b| a.norms.max.value.total_cmp(&b.norms.max.value));
     let Some(largest) = largest.map(|f| f.largest) else { return Ok(None) };
-    let (unit, label) = unit_label(field);
+    let (unit, label) = unit_label(field, files[0].is_in_torsion());
     let mut series = Vec::new();
     for (i, file) in files.iter().enumerate().filter(|(_, file)| file.fields().contains(&field)) {
         let values = profile_at(file, field, largest.time_s)?;
@@ -52,7 +52,7 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
     zoom(&mut series);
     let heading = format!(
         "{}, largest difference: at {:.4} m, {:.2} \u{b5}s",
-        field_name(field),
+        field_name(field, files[0].is_in_torsion()),
         largest.x_m,
         1e6 * largest.time_s
     );
@@ -79,8 +79,8 @@ fn zoom(series: &mut [Series]) {
     }
 }
 
-fn difference_in_time(names: &[String], all: &[Difference], field: Field) -> Panel {
-    let (unit, label) = unit_label(field);
+fn difference_in_time(names: &[String], all: &[Difference], (field, torsion): (Field, bool)) -> Panel {
+    let (unit, label) = unit_label(field, torsion);
     let line = |(i, difference): (usize, &Difference)| {
         let history = difference.fields.iter().find(|f| f.field == field)?;
         let points = history.history.iter().map(|(t, d)| (1e6 * t, d * unit.factor)).collect();

@@ -183,9 +183,15 @@ impl Units {
     }
 }
 
-/// A field's name for axes.
-pub(super) fn field_name(field: Field) -> &'static str {
+/// A field's name for axes; `torsion` where it is that of the surface of a twisted bar.
+pub(super) fn field_name(field: Field, torsion: bool) -> &'static str {
     match field {
+        Field::Stress if torsion => "nominal shear stress at the surface",
+        Field::Strain if torsion => "shear strain at the surface",
+        Field::Velocity if torsion => "velocity of the surface",
+        Field::Displacement if torsion => "displacement of the surface",
+        Field::PlasticStrain if torsion => "plastic shear strain at the surface",
+        Field::AccumulatedPlasticStrain if torsion => "accumulated plastic shear strain at the surface",
         Field::Stress => "stress",
         Field::Strain => "strain",
         Field::Velocity => "velocity",

@@ -181,7 +181,8 @@ pub(super) fn view<'a>(file: &'a ResultFile, figure: &Figure) -> Result<View<'a>
     // Samples are cell centres: the bar ends half a cell beyond the last one.
     let half_cell = if x.len() > 1 { (last - x[x.len() - 2]) / 2.0 } else { last };
     let (asked, ruptures) = (figure.field.is_some(), file.ruptures()?);
-    Ok(View { file, field, asked, units: figure.units, time, x, length: last + half_cell, end_time, ruptures })
+    let (units, torsion) = (figure.units, file.is_in_torsion());
+    Ok(View { file, field, asked, units, time, x, length: last + half_cell, end_time, ruptures, torsion })
 }
 
 fn nothing(file: &ResultFile, why: &str) -> InputError {

@@ -1,7 +1,7 @@
 //! Histories at the gauges, at the ends, and of the energies.
 
 use super::axis::Axis;
-use super::display::{Unit, field_name};
+use super::display::Unit;
 use super::drawing::{INK, Stroke};
 use super::panel::{LinePanel, Series};
 use super::plot::colour;
@@ -21,8 +21,8 @@ pub(super) fn gauges(view: &View) -> Result<Option<LinePanel>> {
     let series = at_places(view, &names, &traces, &samples)?;
     Ok(histories(
         view,
-        &format!("{} at the gauges", field_name(view.field)),
-        view.field_unit().label(field_name(view.field)),
+        &format!("{} at the gauges", view.field_name()),
+        view.field_unit().label(view.field_name()),
         View::zero(view.field),
         series,
     ))
@@ -46,7 +46,7 @@ pub(super) fn ends(view: &View) -> Result<Option<LinePanel>> {
         [only] => only.name.clone(),
         _ => "ends".into(),
     };
-    let name = field_name(view.field);
+    let name = view.field_name();
     let heading = format!("{name} at the {place}");
     Ok(histories(view, &heading, view.field_unit().label(name), View::zero(view.field), series))
 }

@@ -5,7 +5,7 @@ use tiny_skia::{Pixmap, PremultipliedColorU8};
 use super::axes::{self, Frame};
 use super::axis::Axis;
 use super::colour::{Range, hex};
-use super::display::{field_name, four_digits};
+use super::display::four_digits;
 use super::drawing::{Anchor, Area, Drawing, INK, PAPER, RUPTURE, Stroke, text_width};
 use super::panel::{Series, draw_legend, draw_series, legend_rows};
 use super::view::{View, nearest};
@@ -24,7 +24,7 @@ const FEW_FRAMES: usize = 20;
 const STRIPE: f64 = 8.0;
 
 pub(super) fn heading(view: &View) -> String {
-    let (field, frames) = (field_name(view.field), view.time.len());
+    let (field, frames) = (view.field_name(), view.time.len());
     if is_sparse(view) {
         format!("{field} over the bar at {frames} times")
     } else {
@@ -57,7 +57,7 @@ pub(super) fn draw(drawing: &mut Drawing, panel: Area, view: &View, heading: &st
     })?;
     frame.draw(drawing, false);
     draw_legend(drawing, panel, &legend_rows(&entries, panel.width));
-    colour_bar(drawing, &frame, &range, extremes, &view.field_unit().label(field_name(view.field)));
+    colour_bar(drawing, &frame, &range, extremes, &view.field_unit().label(view.field_name()));
     Ok(())
 }
 

@@ -203,6 +203,11 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
     };
     let stored = &file.metadata().energy_units;
     let energy = units.energy(stored);
+    let momentum = match (file.is_in_torsion(), stored.as_str()) {
+        (true, _) => " N\u{b7}m\u{b7}s",
+        (false, "J") => " N\u{b7}s",
+        (false, _) => " N\u{b7}s/m\u{b2}",
+    };
     let residual = rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
     let mut values: Vec<(&str, String)> = Energies::COLUMNS
         .iter()
@@ -213,8 +218,8 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("work of the left end", energy.show(last.work_left)),
         ("work of the right end", energy.show(last.work_right)),
         ("largest energy residual, relative", format!("{residual:.1e}")),
-        ("momentum at the end, SI", four_digits(last.energies.momentum)),
-        ("impulse on the bar, SI", four_digits(last.impulse)),
+        ("momentum at the end", four_digits(last.energies.momentum) + momentum),
+        ("impulse on the bar", four_digits(last.impulse) + momentum),
     ]);
     Ok(table("Ledger", &[], &values.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect::<Vec<_>>()))
 }

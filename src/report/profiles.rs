@@ -2,7 +2,6 @@
 
 use super::axis::Axis;
 use super::colour::{ColourMap, hex};
-use super::display::field_name;
 use super::drawing::{Stroke, THEORY};
 use super::panel::{LinePanel, Series};
 use super::view::{View, nearest};
@@ -39,7 +38,7 @@ pub(super) fn profiles(view: &View) -> Result<Option<LinePanel>> {
         limits.extend(view.limits(&line.points));
         series.push(line);
     }
-    let name = field_name(view.field);
+    let name = view.field_name();
     let levels = series.iter().take(series.len() - indices.len()).flat_map(|s| s.points.iter().map(|p| p.1));
     let y = Axis::around(unit.label(name), limits.into_iter().chain(levels).chain(View::zero(view.field)));
     let x = Axis::new(length.label("position x"), 0.0, view.length * length.factor);

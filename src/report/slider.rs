@@ -1,7 +1,7 @@
 //! Profiles that a slider on a page runs through, from the first stored instant to the last.
 
 use super::axis::Axis;
-use super::display::{Unit, Units, field_name};
+use super::display::{Unit, Units};
 use super::drawing::Stroke;
 use super::html::picture;
 use super::layout::{Content, alone};
@@ -56,7 +56,7 @@ impl Profiles {
             limits.extend(view.limits(&x.iter().copied().zip(row.iter().copied()).collect::<Vec<_>>()));
             rows.push(row);
         }
-        let name = field_name(view.field);
+        let name = view.field_name();
         Ok(Self {
             heading: format!("{name} along the bar at one instant"),
             labels: [length.label("position x"), unit.label(name)],

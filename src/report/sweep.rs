@@ -74,7 +74,7 @@ fn panel(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Option<Panel>
     let x = unit(&axis.unit, points().map(|point| point.0));
     let y = unit(dimension_of(metric).si_symbol(), points().map(|point| point.1));
     let heading = spoken(metric);
-    let axes = [x.label(&spoken_key(&axis.key, &axis.unit)), y.label(&heading)];
+    let axes = [x.label(&spoken_key(&axis.key, &axis.unit)) + &varied_with(plan, along), y.label(&heading)];
     for point in lines.iter_mut().flat_map(|line| &mut line.1).chain(&mut broken) {
         *point = (x.factor * point.0, y.factor * point.1);
     }
@@ -86,6 +86,22 @@ fn panel(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Option<Panel>
     Some(Panel { heading, axes, series: drawn })
 }
 
+/// Names the other axes of numbers that change from case to case with the one that is drawn along.
+fn varied_with(plan: &Plan, along: usize) -> String {
+    let varies = |k: &usize| {
+        let levels = &plan.axes[*k].levels;
+        *k != along
+            && plan.combine != Combine::Product
+            && levels.len() > 1
+            && levels.iter().all(|level| level.si.is_some())
+    };
+    let others = (0..plan.axes.len()).filter(varies).map(|k| spoken_key(&plan.axes[k].key, &plan.axes[k].unit));
+    match &others.collect::<Vec<_>>()[..] {
+        [] => String::new(),
+        others => format!(", each with its {}", others.join(" and ")),
+    }
+}
+
 /// The unit to show values in.
 fn unit(symbol: &str, values: impl Iterator<Item = f64>) -> Unit {
     let most = values.fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -94,7 +110,7 @@ fn unit(symbol: &str, values: impl Iterator<Item = f64>) -> Unit {
 
 /// The name of a metric in words: `left.peak_force_N` is "peak force at the left end".
 fn spoken(metric: &str) -> String {
-    let name = without_unit(metric);
+    let name = without_unit(metric.strip_prefix("figures.").unwrap_or(metric));
     let (place, name) = name.rsplit_once('.').unwrap_or(("", name));
     let words = name.replace('_', " ");
     match place.split_once('.').unwrap_or((place, "")) {

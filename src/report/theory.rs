@@ -1,7 +1,6 @@
 //! Panels that compare a run with theory: front speeds, the self-similar solution, the path in the stress-strain plane.
 
 use super::axis::Axis;
-use super::display::field_name;
 use super::drawing::{Stroke, THEORY};
 use super::panel::{LinePanel, Series};
 use super::plot::colour;
@@ -76,7 +75,7 @@ pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
     for (number, &frame) in frames.iter().enumerate() {
         series.push(over_speed(view, field, side, frame, last)?.styled(profiles::stroke(number, frames.len())));
     }
-    let name = field_name(field);
+    let name = view.name_of(field);
     let (heading, label) = if side == "left" {
         (format!("{name} over x/t"), "x/t")
     } else {

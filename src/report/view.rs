@@ -1,6 +1,6 @@
 //! The data and units of a run shared by all panels of a figure.
 
-use super::display::{Unit, Units};
+use super::display::{Unit, Units, field_name};
 use crate::error::Result;
 use crate::record::store::{ResultFile, StoredRupture};
 use crate::record::{Field, FrontRow, INTERIOR};
@@ -19,6 +19,8 @@ pub(super) struct View<'a> {
     /// s.
     pub end_time: f64,
     pub ruptures: Vec<StoredRupture>,
+    /// The bar is twisted: fields are those of its surface.
+    pub torsion: bool,
 }
 
 impl View<'_> {
@@ -28,6 +30,15 @@ impl View<'_> {
 
     pub fn length_unit(&self) -> Unit {
         self.units.length(self.length)
+    }
+
+    /// Name of the field for axes.
+    pub fn field_name(&self) -> &'static str {
+        self.name_of(self.field)
+    }
+
+    pub fn name_of(&self, field: Field) -> &'static str {
+        field_name(field, self.torsion)
     }
 
     pub fn field_unit(&self) -> Unit {

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use super::{Progress, Target, accurate, estimate};
 use crate::error::{Error, Result};
-use crate::record::{AuditRow, AutoChoice, Summary};
+use crate::record::{AuditRow, AutoChoice, Field, Summary};
 use crate::scene::Scene;
 
 /// How each effect is written into a scene. Those that need constants take the materials' own.
@@ -30,7 +30,7 @@ const WITHOUT_KEYS: [&[&str]; 4] =
 /// # Errors
 /// [`Error::Interrupted`] if `progress` requests a stop.
 pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Scene> {
-    let mut scene = scene.clone();
+    let mut scene = with_recorded(scene, progress)?;
     // One effect at least is decided in each round.
     while scene.auto.is_some() {
         let mut stopped = false;
@@ -48,6 +48,29 @@ pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<(
         }
     }
     Ok(scene)
+}
+
+/// The scene with the effects without which a field that it records does not exist.
+fn with_recorded(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Scene> {
+    if scene.auto.is_none() || !choices(scene).is_empty() {
+        return Ok(scene.clone());
+    }
+    let of = |fields: &[Field], effect: &str| {
+        let field = scene.record.fields.iter().find(|field| fields.contains(field))?;
+        let why = format!("`{}` is recorded", field.name());
+        Some(AutoChoice { effect: effect.to_owned(), on: true, why, estimate: f64::INFINITY, round: 0 })
+    };
+    let plastic = of(&[Field::PlasticStrain, Field::AccumulatedPlasticStrain], "hardening");
+    let needed: Vec<AutoChoice> = plastic.into_iter().chain(of(&[Field::Temperature], "heat")).collect();
+    if needed.is_empty() {
+        return Ok(scene.clone());
+    }
+    for choice in &needed {
+        if progress(Progress::Chosen(Box::new(choice.clone()))).is_break() {
+            return Err(Error::Interrupted);
+        }
+    }
+    with(scene, &needed)
 }
 
 /// Runs a scene, again where an effect was missed: at most once more for each effect, since each is decided on once.

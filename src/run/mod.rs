@@ -35,6 +35,7 @@ use crate::assemble;
 use crate::bar::{EndCondition, InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
 use crate::impact::{contact_is_wide, contact_yields};
+use crate::law::rate::Overstress;
 use crate::law::rupture::{Rupture, Site};
 use crate::material::{Material, Sense};
 use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer, check_output};
@@ -270,6 +271,7 @@ fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
             // Sections that twist do not widen.
             lateral_inertia: !effects.lateral_inertia && scene.torsion.is_none(),
         },
+        torsion: scene.torsion.is_some(),
         cells,
     }
 }
@@ -350,7 +352,9 @@ impl<'a> RunRecorder<'a> {
         };
         let output = output.map(|p| p.display().to_string()).unwrap_or_default();
         let checkpoints = Checkpoints::of(target, scene);
-        let tally = Tally::new(&asked(scene).bar, scene.record.gauges.len());
+        let law = |segment: &Segment| Overstress::of(scene.effects.rate?, &segment.material);
+        let relaxes = scene.bar.segments.iter().filter_map(law).any(Overstress::relaxes_at_once);
+        let tally = Tally::new(&asked(scene).bar, scene.record.gauges.len(), relaxes);
         let kept = target.kept;
         Ok(Self { scene, initial_fans, critical, writer, kept, output, started, tally, stepping: 0.0, checkpoints })
     }
@@ -383,13 +387,13 @@ impl<'a> RunRecorder<'a> {
 
     /// The bar is driven above its critical velocity from the start on.
     fn above_critical(&self) -> bool {
-        self.initial_fans.iter().any(|l| l.fan.above_critical)
+        self.scene.is_above_critical()
     }
 
     /// The theory says that the bar breaks at once: the critical velocity is one of the static curve, above which a
     /// rate-dependent bar can carry the strain away for a while.
     fn breaks_at_once(&self) -> bool {
-        self.above_critical() && self.scene.effects.rate.is_none()
+        self.initial_fans.iter().any(|l| l.fan.above_critical) && self.scene.effects.rate.is_none()
     }
 
     /// The ruptures of a bar, if it was to break.
@@ -432,6 +436,7 @@ impl<'a> RunRecorder<'a> {
             // The file itself failed: there is nothing left to write to.
             Err(_) => return Err(ended.err().unwrap_or(Error::Interrupted)),
         };
+        self.tally.close();
         let read_off = figures(self.scene, &self.tally, &results);
         results.audit.extend(contacts_beyond_hertz(self.scene, &read_off));
         let writer = std::mem::replace(&mut self.writer, Output::None);

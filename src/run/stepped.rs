@@ -377,8 +377,12 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     fn temperature_rise(&self) -> Option<f64> {
         let segments = self.recorder.scene.bar.segments.iter().zip(&self.bar.grid().segments);
         let rises = segments.filter_map(|(segment, part)| {
-            let temperatures = part.cells.clone().map(|cell| self.bar.value(Quantity::Temperature, cell));
-            record::largest_rise(&segment.material, temperatures)
+            let temperature = |cell: usize| {
+                let [from, to] = part.cell(cell);
+                let at_start = segment.initial_between(from, to).temperature_rise;
+                (self.bar.value(Quantity::Temperature, cell), at_start)
+            };
+            record::largest_rise(&segment.material, part.cells.clone().map(temperature))
         });
         rises.reduce(f64::max)
     }

@@ -367,7 +367,7 @@ impl<'a> Run<'a> {
         let segments = self.recorder.scene.bar.segments.iter().enumerate();
         let rises = segments.filter_map(|(k, segment)| {
             let pieces = self.bar.pieces().filter(|p| p.segment == k);
-            record::largest_rise(&segment.material, pieces.map(|p| self.bar.temperature(k, p.point)))
+            record::largest_rise(&segment.material, pieces.map(|p| (self.bar.temperature(k, p.point), 0.0)))
         });
         rises.reduce(f64::max)
     }

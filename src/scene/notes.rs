@@ -73,9 +73,13 @@ impl Scene {
 
     /// A critical velocity is stated, but the bar is not in the state to which it belongs.
     fn critical_velocity_of_another_state(&self) -> Option<String> {
-        let starts_otherwise = self.bar.segments.iter().any(|segment| segment.initial != Initial::default());
-        (starts_otherwise && self.critical_velocity().is_some())
-            .then(|| "the critical velocity is that of a bar without initial stress and plastic strain".to_owned())
+        let bar = self.bar.on_warm_curves();
+        let changed = |segment: &Segment| {
+            segment.initial != Initial::default() || segment.profile.as_ref().is_some_and(|profile| profile.has_state())
+        };
+        let warm = if bar.segments.iter().any(Segment::starts_warm) { ", at the reference temperature" } else { "" };
+        (bar.segments.iter().any(changed) && self.critical_velocity().is_some())
+            .then(|| format!("the critical velocity is that of a bar without initial stress and plastic strain{warm}"))
     }
 
     /// Curves of several lines whose back stress follows the accumulated plastic strain, for more than half of their hardening.

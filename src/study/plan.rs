@@ -187,8 +187,8 @@ pub fn plan(scene: &Scene) -> Plan {
         field_bytes: samples * size_of::<f64>(),
         fronts: all.iter().flat_map(fronts).collect(),
         critical_velocity: asked.critical_velocity(),
-        above_critical: all.iter().any(|l| l.fan.above_critical),
-        initial_state: scene.bar.has_initial_state(),
+        above_critical: scene.is_above_critical(),
+        initial_state: scene.bar.on_warm_curves().has_initial_state(),
         notes: scene.notes().into_iter().chain(notes).collect(),
         staircase: scene
             .discretized
@@ -392,35 +392,37 @@ fn on(scene: &Scene, key: &str, effect: String) -> PlannedEffect {
         (None, Some(_)) => "another effect needs it".into(),
         (None, None) => "requested by the scene".into(),
     };
-    let estimate = choice.map(|c| c.estimate);
+    let estimate = choice.map(|c| c.estimate).filter(|estimate| estimate.is_finite());
     PlannedEffect { effect, on: true, why, estimate, threshold: estimate.map(|_| scene.solve.audit_tolerance) }
 }
 
 fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
-    let start = match (chosen(scene, key), &scene.auto) {
+    let torsion = scene.torsion.is_some();
+    let finding = || row.map_or_else(|| without(key, torsion).to_owned(), AuditRow::advice);
+    let why = match (chosen(scene, key), &scene.auto) {
         (Some(choice), _) => choice.why.clone(),
-        (None, Some(_)) => "not needed".into(),
-        (None, None) => "not requested".into(),
+        (None, Some(_)) => format!("not needed; {}", finding()),
+        (None, None) => format!("not requested; {}", finding()),
     };
-    let finding = row.map_or_else(|| without(key).to_owned(), AuditRow::advice);
     let estimate = row.map(|row| row.estimate).filter(|e| !e.is_nan());
     PlannedEffect {
         effect: key.to_owned(),
         on: false,
-        why: format!("{start}; {finding}"),
+        why,
         estimate,
         threshold: estimate.and(row.map(|row| row.threshold)),
     }
 }
 
 /// What a run assumes without an effect.
-fn without(key: &str) -> &'static str {
+fn without(key: &str, torsion: bool) -> &'static str {
     match key {
         "hardening" => "unloading follows the loading curve; the run reports if a yielded section unloads",
         "rate" => "the quasi-static curve is used at all strain rates",
         "heat" => "the temperature stays constant",
         "rupture" => "fracture is not simulated",
         "damping" => "the only dissipation is plastic work",
+        _ if torsion => "round sections in torsion have no lateral inertia",
         _ => "lateral inertia is neglected",
     }
 }

@@ -133,6 +133,21 @@ fn what_the_estimate_missed_the_audit_of_the_run_adds() {
     assert!(unloading.estimate > 0.01, "{unloading:?}");
 }
 
+/// Scenes that record plastic strains were refused, with the advice to choose the effect by hand.
+#[test]
+fn a_field_that_is_recorded_turns_its_effect_on() {
+    let record = "record.fields=[\"stress\", \"plastic_strain\"]";
+    let (all, _) = choices("lateral", &[record]);
+    let first = &all[0];
+    assert!(first.effect == "hardening" && first.on && first.round == 0, "{all:?}");
+    assert_eq!(first.why, "`plastic_strain` is recorded");
+    assert!(all.iter().any(|choice| choice.effect == "lateral-inertia" && choice.on), "{all:?}");
+    // What the material lacks is told as for a scene that names the effect.
+    let scene = read("released", &["record.fields=[\"temperature\"]".to_owned()]).expect("a scene");
+    let refusal = run::choose(&scene, &mut |_| ControlFlow::Continue(())).expect_err("no constants of heat");
+    assert!(refusal.to_string().contains("heat"), "{refusal}");
+}
+
 #[test]
 fn a_method_that_the_scene_names_stays() {
     let moc = ["solve.method=moc", "solve.cells=", "solve.front-tolerance=0.01"];

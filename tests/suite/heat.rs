@@ -3,13 +3,15 @@
 
 use crate::common;
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use barwave::assemble::{flow, segment_law, stepped_law};
 use barwave::bar::{Bar, EndCondition, Segment};
 use barwave::law::Row;
 use barwave::material::{Beyond, HeatConstants, HeatingError, Material, Sense};
-use barwave::record::Ledger;
+use barwave::record::{Field, Ledger};
+use barwave::run::solve;
 use barwave::scene::{Effects, HardeningRule, Heat, Rate, Scene};
 use barwave::solver::fd::{Grid, Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings};
@@ -534,4 +536,35 @@ fn a_bar_that_warms_breaks_at_the_largest_stress_of_the_adiabatic_curve() {
         barwave::assemble::front_tracking(&cold, Settings { front_tolerance: 1e-3, ..Settings::default() });
     cold_bar.advance_to(cold.solve.until).expect("within the budget");
     assert!(cold_bar.ruptures().first().is_none_or(|r| r.time > 0.0), "{:?}", cold_bar.ruptures());
+}
+
+/// A bar at 1043 K carries half the stress of the cold one. Its critical velocity was that of the cold bar, 57.8 m/s, and its temperature rise counted from
+/// the reference temperature: 770 K for 20 K.
+#[test]
+fn a_warm_bar_has_its_own_critical_velocity_and_rises_from_its_own_temperature() {
+    let scene = |velocity: f64, fraction: f64| {
+        let text = format!(
+            "[bar]\nlength = 0.3\narea = 1e-4\ntemperature = 1043\n[bar.material]\nname = \"s\"\ndensity = 7800\n\
+             modulus = 200e9\nbeyond = \"rupture\"\ncurve = {{ table = [[0, 0], [0.0015, 300e6], [0.1015, 500e6]] }}\n\
+             heat = {{ specific-heat = 450, reference-temperature = 293, melting-temperature = 1793, m = 1 }}\n\
+             [left]\nkind = \"velocity\"\nvalue = {velocity}\n[right]\nkind = \"free\"\n\
+             [effects]\nheat = {{ fraction = {fraction} }}\n[solve]\nuntil = 4e-5\ncells = 300\n\
+             [record]\nframes = 2\nfields = [\"temperature\"]\n"
+        );
+        Scene::parse("warm", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"))
+    };
+    // 150 MPa, then half the plastic slope 200 MPa/(0.1 - 0.001), over which it comes to 250 MPa.
+    let (density, modulus, slope) = (7800.0_f64, 200e9_f64, 100e6 / (0.1 - 0.001));
+    let tangent = slope * modulus / (slope + modulus);
+    let exact = 150e6 / (density * modulus).sqrt() + 100e6 / (density * tangent).sqrt();
+    let found = scene(-20.0, 1e-9).critical_velocity().expect("the curve has one");
+    assert!((found / exact - 1.0).abs() < 1e-6, "{found} {exact}");
+    let heated = scene(-20.0, 0.9).critical_velocity().expect("the curve has one");
+    assert!((0.9 * exact..exact).contains(&heated), "{heated} {exact}");
+    assert!(!scene(-0.99 * heated, 0.9).is_above_critical() && scene(-1.01 * heated, 0.9).is_above_critical());
+    let solution = solve(&scene(-20.0, 0.9), &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+    let temperature = solution.field(Field::Temperature).expect("recorded");
+    let highest = temperature.iter().copied().fold(0.0, f64::max);
+    let rise = solution.summary.temperature_rise.expect("the bar heats");
+    assert!((rise - (highest - 1043.0)).abs() < 1e-9 && (1.0..20.0).contains(&rise), "{rise} {highest}");
 }

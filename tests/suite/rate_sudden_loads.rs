@@ -167,3 +167,42 @@ fn a_net_shows_the_force_that_flow_has_left_where_waves_arrive() {
         }
     }
 }
+
+/// Above the critical velocity of the curve at the rates of the load, ends showed the force of an elastic bar: 174 kN for 28 kN.
+#[test]
+fn ends_above_the_critical_velocity_show_no_elastic_stress() {
+    let peak = |velocity: f64, method: &str, cells: usize| {
+        let end =
+            left_end(&scene(COPPER, "", &format!("kind = \"velocity\"\nvalue = {velocity}"), OWN_RATE), method, cells);
+        end.stress.iter().copied().fold(0.0, f64::max)
+    };
+    for (method, cells) in [("fd", 100), ("fd", 400), ("moc", 100)] {
+        let [below, above, far] = [-50.0, -52.0, -80.0].map(|velocity| peak(velocity, method, cells));
+        println!("{method}, {cells} cells: {below:e} {above:e} {far:e}");
+        assert!((above / below - 1.0).abs() < 0.01 && (far / below - 1.0).abs() < 0.03, "{method}, {cells} cells");
+    }
+}
+
+/// A wave that comes through aluminium to a joint with steel: for a step or two the steel gets what elastic aluminium would give. At the fixed end behind
+/// it the peak was 110 kN by leapfrog and 100 kN by the net, for 84 kN of all that follows.
+#[test]
+fn what_a_joint_passes_on_before_it_flows_is_no_peak_of_the_end_behind_it() {
+    let text = "[[bar.segment]]\nlength = \"0.3 m\"\ndiameter = \"12 mm\"\nmaterial = \"aluminium-6061-t6-jc\"\n\
+                [[bar.segment]]\nlength = \"0.4 m\"\ndiameter = \"16 mm\"\nmaterial = \"steel-4340-jc\"\n\
+                [left]\nkind = \"striker\"\nmass = \"0.4 kg\"\nvelocity = \"40 m/s\"\n[right]\nkind = \"fixed\"\n\
+                [effects]\nrate = \"material\"\n[record]\nframes = 1\n";
+    for (method, cells) in [("fd", 350), ("fd", 1400), ("moc", 350), ("moc", 1400)] {
+        let text = format!("{text}[solve]\nuntil = \"170 us\"\nmethod = \"{method}\"\ncells = {cells}\n");
+        let scene = Scene::parse("rate", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let solution = solve(&scene, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+        let right = solution.summary.figures.0.iter().find(|group| group.path == ["right"]).expect("the right end");
+        let peak = right.figures.iter().find(|figure| figure.name == "peak_force").expect("a force").value.abs();
+        let behind = at(&solution.ends[1].time, &solution.ends[1].stress, 140.5e-6).abs()
+            * 0.25e-6
+            * 16.0
+            * 16.0
+            * std::f64::consts::PI;
+        println!("{method}, {cells} cells: {peak:e} for {behind:e}");
+        assert!((behind..1.03 * behind).contains(&peak), "{method}, {cells} cells: {peak:e} for {behind:e}");
+    }
+}

@@ -299,3 +299,70 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     // the yield stress at most; kinematic hardening is right: the layers are elements in parallel.
     assert!((isotropic[2] - 0.28).abs() < 0.01 && kinematic[2] < 4e-4, "{isotropic:?} {kinematic:?}");
 }
+
+/// The constants of rate laws stayed those of tension: a tube twisted at 1000 1/s carried 35 % too much by Zerilli and Armstrong's law.
+#[test]
+fn von_mises_rule_converts_rate_laws_as_well() {
+    let (modulus, yields, twisting) = (208e9_f64, 277e6_f64, 1000.0_f64);
+    let (c1, c3, c4, temperature) = (1e9_f64, 7e-3_f64, 4e-4_f64, 293.0_f64);
+    let rate = twisting / 3.0_f64.sqrt();
+    let thermal = |rate: f64| c1 * (-c3 * temperature + c4 * temperature * rate.ln()).exp();
+    let laws = [
+        ("{ model = \"malvern\", k = 2e6 }", modulus * rate / 2e6),
+        ("{ model = \"cowper-symonds\", D = 40, q = 5 }", yields * (rate / 40.0).powf(0.2)),
+        ("{ model = \"johnson-cook\", C = 0.014, reference = 1 }", 0.014 * yields * rate.ln()),
+        (
+            "{ model = \"zerilli-armstrong\", C1 = 1e9, C3 = 7e-3, C4 = 4e-4, reference = 1e-3 }",
+            thermal(rate) - thermal(1e-3),
+        ),
+    ];
+    for (law, excess) in laws {
+        let omega = twisting * 0.01 / 9.5e-3;
+        let bar = format!(
+            "mode = \"torsion\"\nshear = \"von-mises\"\nlength = 0.01\ndiameter = 0.02\nwall = 1e-3\n\
+             velocity = [[0, 0], [0.01, {omega}]]\n\
+             material = {{ name = \"s\", density = 7800, modulus = {modulus}, poisson = 0.3, measure = \"true\", \
+             beyond = \"extend\", curve = {{ table = [[0, 0], [{}, {yields}], [0.5, {yields}]] }}, \
+             heat = {{ reference-temperature = {temperature} }} }}",
+            yields / modulus
+        );
+        let right = format!("kind = \"velocity\"\nvalue = {omega}");
+        for method in ["fd", "moc"] {
+            let rest = format!("[effects]\nrate = {law}\n[solve]\nuntil = 6e-5\nmethod = \"{method}\"\ncells = 40");
+            let [stress, ..] = fields(&scene(&bar, "kind = \"fixed\"", &right, &rest));
+            let expected = (yields + excess) / 3.0_f64.sqrt();
+            for stress in stress {
+                assert!((stress / expected - 1.0).abs() < 2e-3, "{law} by {method}: {stress:e} for {expected:e}");
+            }
+        }
+    }
+}
+
+/// The audit advised to add effects that torsion refuses.
+#[test]
+fn no_advice_is_given_that_torsion_refuses() {
+    let bar = "mode = \"torsion\"\nshear = \"von-mises\"\nlength = 0.3\ndiameter = 0.02\nmaterial = \"steel-1006-jc\"";
+    let left = "kind = \"velocity\"\nvalue = \"8000 rad/s\"";
+    let rest = "[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = 2e-4\ncells = 100\naudit-tolerance = 1e-4\n";
+    let twisted = scene(bar, left, "kind = \"free\"", rest);
+    let summary = run(&twisted, None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+    let heat = summary.audit.iter().find(|row| row.effect == "heat").expect("an estimate");
+    assert!(
+        heat.estimate > 1e-3 && heat.remedy.is_empty() && heat.finding.contains("not simulated together with torsion")
+    );
+    assert!(summary.audit.iter().all(|row| !row.remedy.contains("rupture") && !row.remedy.contains("lateral")));
+}
+
+/// The error gave as the allowed diameter the one that stood there.
+#[test]
+fn a_thin_tube_beside_a_rod_is_told_its_mean_diameter() {
+    let material = format!("material = {{ name = \"s\", loading = \"shear\", {TABLE} }}");
+    let text = format!(
+        "[bar]\nmode = \"torsion\"\n[[bar.segment]]\nlength = 1\ndiameter = 0.02\n{material}\n[[bar.segment]]\nlength = 1\n\
+         diameter = 0.02\nwall = 1e-3\n{material}\n[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n[solve]\nuntil = 1e-5\n"
+    );
+    let parsed = |text: &str| Scene::parse("torsion.toml", text, Path::new("."), &[]);
+    let error = parsed(&text).expect_err("two radii").to_string();
+    assert!(error.contains("the mean diameter here is 0.019 m, that of the first segment 0.02 m"), "{error}");
+    assert!(parsed(&text.replace("diameter = 0.02\nwall", "diameter = 0.021\nwall")).is_ok());
+}

@@ -60,10 +60,10 @@ impl Overstress {
     pub const RATE_INDEPENDENT: Self = Self::Malvern { k: f64::MAX };
 
     /// A law for a material; none where its constants make the stress that of the static curve, or the material is to state
-    /// them and does not.
+    /// them and does not. Where its curve was converted from tension to shear, they are converted with it.
     pub fn of(rate: Rate, material: &Material) -> Option<Self> {
         let modulus = material.modulus;
-        match rate {
+        match material.shear_from_tension.map_or(rate, |ratio| rate.in_shear(ratio)) {
             Rate::Malvern { k } => Some(Self::Malvern { k }),
             Rate::CowperSymonds { d, q } => Some(Self::CowperSymonds { rate: modulus * d, exponent: q }),
             Rate::JohnsonCook { c: 0.0, .. } => None,
@@ -76,6 +76,11 @@ impl Overstress {
             }
             Rate::Material => material.constants.rate.iter().find_map(|&law| Self::of(law, material)),
         }
+    }
+
+    /// Its rate of flow grows so fast with the overstress that the elastic stress of a sharp wave is gone long before a time step ends.
+    pub fn relaxes_at_once(self) -> bool {
+        matches!(self, Self::JohnsonCook { .. } | Self::ZerilliArmstrong { .. })
     }
 
     /// The law at a temperature higher by `rise`, K.

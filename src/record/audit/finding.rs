@@ -34,6 +34,9 @@ impl Finding {
     /// No method simulates the effect together with `what`, which the scene has.
     #[must_use]
     pub fn not_with(self, what: &str) -> Self {
+        if self.remedy.is_empty() {
+            return self;
+        }
         Self { text: format!("{}; not simulated together with {what}", self.text), remedy: String::new(), ..self }
     }
 

@@ -69,6 +69,8 @@ pub struct Case<'a> {
     pub tolerance: f64,
     /// Effects that are off.
     pub off: Off,
+    /// The bar is twisted: no method simulates heat and rupture then.
+    pub torsion: bool,
     /// Cells of the grid; none where there is none.
     pub cells: Option<usize>,
 }
@@ -77,6 +79,7 @@ pub struct Case<'a> {
 #[derive(Debug)]
 pub struct Audit {
     off: Off,
+    torsion: bool,
     tolerance: f64,
     materials: Vec<Arc<Material>>,
     places: Places,
@@ -114,6 +117,7 @@ impl Audit {
         let zeros = vec![0.0; count];
         Self {
             off: case.off,
+            torsion: case.torsion,
             tolerance: case.tolerance,
             now: Reading { stress: zeros.clone(), strain: zeros.clone(), plastic: zeros, ..Reading::default() },
             looked: false,
@@ -180,6 +184,7 @@ impl Audit {
         };
         let share = |sum: f64| if sum > 0.0 { (sum / self.peak).min(1.0) } else { 0.0 };
         let (materials, places) = (&self.materials, &self.places);
+        let axial = |finding: Finding| if self.torsion { finding.not_with("torsion") } else { finding };
         let mut rows = Vec::new();
         if self.off.unloading {
             rows.push(row("hardening", &|| self.unloading.finding(places, share)));
@@ -188,10 +193,10 @@ impl Audit {
             rows.push(row("rate", &|| self.rate.finding(materials, places, share)));
         }
         if self.off.heat {
-            rows.push(row("heat", &|| self.heat.finding(materials, places, share)));
+            rows.push(row("heat", &|| axial(self.heat.finding(materials, places, share))));
         }
         if broken.is_empty() && self.off.rupture {
-            rows.push(row("rupture", &|| self.tensile.finding(materials, places, !self.off.rate)));
+            rows.push(row("rupture", &|| axial(self.tensile.finding(materials, places, !self.off.rate))));
         }
         rows.extend(broken.into_iter().map(|row| AuditRow { threshold: self.tolerance, ..row }));
         rows.extend(self.joints.row());

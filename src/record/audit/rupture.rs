@@ -10,7 +10,7 @@ use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::bar::{Driver, InitialFan};
 use crate::law::{Limit, Reached};
-use crate::material::{Material, Sense, UltimateReason};
+use crate::material::{Loading, Material, Sense, UltimateReason};
 use crate::solver::fd::{CELLS_TO_BREAK, Unresolved};
 use crate::units::{Dimension, System, format};
 
@@ -88,15 +88,16 @@ pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_ve
             std::format!("the impact velocity at the {origin} end exceeds the critical velocity of {name} ({critical} at {ultimate})")
         };
         let when = if fan.sudden { "at t = 0" } else { "once it is reached" };
-        broken(exceeds + &localizes(fan.sense, when, " end"))
+        broken(exceeds + &localizes(material, fan.sense, when, " end"))
     })
 }
 
 /// What becomes of a place where the strain localizes, and of the run.
-fn localizes(sense: Sense, when: &str, end: &str) -> String {
-    let fails = match sense {
-        Sense::Tension => "the strain localizes and the bar fractures there",
-        Sense::Compression => "the compressive strain localizes there",
+fn localizes(material: &Material, sense: Sense, when: &str, end: &str) -> String {
+    let fails = match (material.loading, sense) {
+        (Loading::Shear, _) => "the shear strain localizes and the bar fractures there",
+        (Loading::Axial, Sense::Tension) => "the strain localizes and the bar fractures there",
+        (Loading::Axial, Sense::Compression) => "the compressive strain localizes there",
     };
     let when = if when.is_empty() { String::new() } else { std::format!(" {when}") };
     std::format!("; {fails}{when}; the run continues with the{end} stress held at the ultimate stress")
@@ -122,7 +123,7 @@ pub fn broken_end(end: &str, time: f64, material: &Material, sense: Sense) -> Au
         format(time, Dimension::Time, System::Si),
         material.name,
     );
-    broken(exceeds + &localizes(sense, "", " end"))
+    broken(exceeds + &localizes(material, sense, "", " end"))
 }
 
 /// A point inside the bar at which the curve is at its largest stress while its two sides continue to separate or approach.
@@ -133,7 +134,7 @@ pub fn broken_inside(time: f64, x: f64, material: &Material, sense: Sense) -> Au
         format(x, Dimension::Length, System::Si),
         material.name,
     );
-    broken(reached + &localizes(sense, "", ""))
+    broken(reached + &localizes(material, sense, "", ""))
 }
 
 /// A tension above the fracture criterion over fewer cells than needed for fracture on a grid.
@@ -156,7 +157,7 @@ pub fn at_limit(reached: &Reached, material: &Material) -> (String, &'static str
                 "strain {:.4} is beyond the end of the data of {} in {} ({:.4})",
                 reached.equivalent,
                 material.name,
-                sense.name(),
+                if material.loading == Loading::Shear { "shear" } else { sense.name() },
                 material.branch(sense).last_strain()
             ),
             "extend the stress-strain data (for a formula, a larger `to-strain`), or set `beyond = \"rupture\"` or \

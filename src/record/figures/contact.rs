@@ -109,16 +109,16 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
     let mut area = records.joint_areas[k];
     if let Some(ContactReading { pressed, .. }) = records.pressed(k) {
         // The force between the faces themselves, N.
-        load.peak.value = 0.0 - pressed.peak;
-        load.peak.at = pressed.time_of_peak;
+        load.peak.largest.value = 0.0 - pressed.peak;
+        load.peak.largest.at = pressed.time_of_peak;
         area = 1.0;
     } else {
         // A front that breaks the joint leaves no stress of the joint behind.
         let broken = records.breaks[k];
-        load.peak.add(broken.at, broken.value / area);
+        load.peak.largest.add(broken.at, broken.value / area);
         if let Some(ContactReading { pressed, .. }) = records.faces(k) {
             // Its times count from the break on.
-            load.peak.add(broken.at + pressed.time_of_peak, -pressed.peak / area);
+            load.peak.largest.add(broken.at + pressed.time_of_peak, -pressed.peak / area);
         }
     }
     Site {

@@ -100,23 +100,23 @@ pub(super) static LOAD: &[Definition<Site>] = &[
         ("peak_force", Dimension::Force, "peak"),
         "force of largest magnitude with its sign, tension positive; at a fractured joint, including later contact of the fragments; \
          needs an area",
-        |site| site.area.map(|area| area * site.load.peak.value),
+        |site| site.area.map(|area| area * site.load.peak.largest.value),
     ),
     row(
         ("peak_stress", Dimension::Stress, "peak"),
         "stress of largest magnitude with its sign, at a joint on the section to its left, in place of the force in bars without an area \
          and in torsion",
-        |site| if site.area.is_none() { Some(site.load.peak.value) } else { None },
+        |site| if site.area.is_none() { Some(site.load.peak.largest.value) } else { None },
     ),
     row(
         ("peak_torque", Dimension::Torque, "torque"),
         "torque of largest magnitude with its sign, in torsion",
-        |site| site.torque_per_stress.map(|torque| torque * site.load.peak.value),
+        |site| site.torque_per_stress.map(|torque| torque * site.load.peak.largest.value),
     ),
     row(
         ("time_of_peak", Dimension::Time, "at"),
         "time at which the peak is first reached; absent if there is no force",
-        |site| (site.load.peak.value != 0.0).then_some(site.load.peak.at),
+        |site| (site.load.peak.largest.value != 0.0).then_some(site.load.peak.largest.at),
     ),
     row(
         ("impulse", Dimension::Impulse, "impulse"),
@@ -179,10 +179,10 @@ pub(super) static JOINT: &[Definition<Site>] = &[
 /// Of gauges.
 pub(super) static GAUGE: &[Definition<Gauge>] = &[
     row(("peak_stress", Dimension::Stress, "peak stress"), "stress of largest magnitude with its sign", |gauge| {
-        Some(gauge.stress.value)
+        Some(gauge.stress.largest.value)
     }),
     row(("time_of_peak_stress", Dimension::Time, "at"), "time at which it is first reached", |gauge| {
-        (gauge.stress.value != 0.0).then_some(gauge.stress.at)
+        (gauge.stress.largest.value != 0.0).then_some(gauge.stress.largest.at)
     }),
     row(
         ("peak_strain", Dimension::None, "peak strain"),

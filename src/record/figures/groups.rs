@@ -68,7 +68,7 @@ fn lengths(length: f64, end: &SegmentEnd) -> [f64; 2] {
 
 fn place(path: &[&str], label: &str, site: &Site, more: &[super::Definition<Site>]) -> Group {
     let figures = LOAD.figures(site).into_iter().chain(more.figures(site)).collect();
-    group(path, label, site.load.peak.value != 0.0, figures)
+    group(path, label, site.load.peak.largest.value != 0.0, figures)
 }
 
 fn group(path: &[&str], label: &str, tells: bool, figures: Vec<super::Figure>) -> Group {

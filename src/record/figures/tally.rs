@@ -31,11 +31,48 @@ impl Extreme {
     }
 }
 
+/// A stress is no peak of which two steps later less than one part in this is left, where flow takes the elastic stress away within a step: it is that of
+/// the step in which a wave comes to a joint. At a fixed end of steel behind aluminium (Johnson-Cook) it was 110 kN by leapfrog and 100 kN by the net,
+/// for 84 kN from the third step on.
+const SPIKE: f64 = 1.05;
+
+/// The largest stress of a history.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Peak {
+    /// Pa, and when it was first reached, s.
+    pub largest: Extreme,
+    /// Rows count only once it is seen that they last, see [`SPIKE`].
+    waits: bool,
+    /// Times (s) and stresses (Pa) of the two latest rows that do not count yet.
+    waiting: [Option<(f64, f64)>; 2],
+}
+
+impl Peak {
+    fn add(&mut self, time: f64, stress: f64) {
+        if !self.waits {
+            self.largest.add(time, stress);
+            return;
+        }
+        let [before, last] = self.waiting;
+        if let Some((at, value)) = before.filter(|&(_, value)| value.abs() <= SPIKE * stress.abs()) {
+            self.largest.add(at, value);
+        }
+        self.waiting = [last, Some((time, stress))];
+    }
+
+    /// No more rows come.
+    fn close(&mut self) {
+        for (time, stress) in std::mem::take(&mut self.waiting).into_iter().flatten() {
+            self.largest.add(time, stress);
+        }
+    }
+}
+
 /// What a face carried.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Load {
-    /// Stress, Pa.
-    pub peak: Extreme,
+    /// Stress.
+    pub peak: Peak,
     /// Total time under stress, s.
     pub duration: f64,
     /// When it was last under stress, s.
@@ -50,15 +87,16 @@ pub(super) struct Load {
 }
 
 impl Load {
-    fn new(modulus: f64) -> Self {
-        Self { no_stress: NO_STRESS * modulus, is_released: true, ..Self::default() }
+    fn new(modulus: f64, waits: bool) -> Self {
+        let peak = Peak { waits, ..Peak::default() };
+        Self { peak, no_stress: NO_STRESS * modulus, is_released: true, ..Self::default() }
     }
 
     /// A row counts to the next one if both carry stress; none counts after `last` (s).
     fn add(&mut self, rows: &Trace, last: f64) {
         for (&time, &stress) in rows.time.iter().zip(&rows.stress).take_while(|&(&time, _)| time <= last) {
             self.peak.add(time, self.sudden.map_or(stress, |(load, known)| load.blend(time, known, stress)));
-            let is_released = stress.abs() <= self.no_stress.max(NO_FORCE * self.peak.value.abs());
+            let is_released = stress.abs() <= self.no_stress.max(NO_FORCE * self.peak.largest.value.abs());
             if !is_released && !self.is_released {
                 self.duration += time - self.last_time;
                 self.loaded_until = time;
@@ -71,7 +109,7 @@ impl Load {
 /// What a gauge saw.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Gauge {
-    pub stress: Extreme,
+    pub stress: Peak,
     pub strain: Extreme,
 }
 
@@ -84,11 +122,20 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Of a bar with so many gauges. Histories of the stress beside its joints follow those of the gauges.
-    pub fn new(bar: &Bar, gauges: usize) -> Self {
-        let loads: Vec<Load> = bar.segments.iter().map(|segment| Load::new(segment.material.modulus)).collect();
+    /// Of a bar with so many gauges. Histories of the stress beside its joints follow those of the gauges. `relaxes`: flow takes the elastic stress of
+    /// sharp waves away within a step.
+    pub fn new(bar: &Bar, gauges: usize, relaxes: bool) -> Self {
+        let loads: Vec<Load> =
+            bar.segments.iter().map(|segment| Load::new(segment.material.modulus, relaxes)).collect();
         let last = loads.len() - 1;
-        Self { ends: [loads[0], loads[last]], gauges: vec![Gauge::default(); gauges], joints: loads[..last].to_vec() }
+        let gauge = Gauge { stress: Peak { waits: relaxes, ..Peak::default() }, ..Gauge::default() };
+        Self { ends: [loads[0], loads[last]], gauges: vec![gauge; gauges], joints: loads[..last].to_vec() }
+    }
+
+    /// No more rows come.
+    pub fn close(&mut self) {
+        self.gauges.iter_mut().for_each(|gauge| gauge.stress.close());
+        self.ends.iter_mut().chain(&mut self.joints).for_each(|load| load.peak.close());
     }
 
     /// Joints are suddenly loaded: each with the stress beside it (Pa). The rows of ends include their sudden loads.
@@ -135,21 +182,36 @@ mod tests {
     fn time_under_stress_is_that_between_loaded_rows_of_any_batch() {
         let all = [(0.0, 0.0), (1.0, 0.0), (1.0, -5.0), (3.0, -5.0), (3.0, 0.0), (4.0, 0.0), (4.0, 2.0), (4.5, 2.0)];
         for cut in 0..all.len() {
-            let mut load = Load::new(1.0);
+            let mut load = Load::new(1.0, false);
             load.add(&rows(&all[..cut]), 4.5);
             load.add(&rows(&all[cut..]), 4.5);
             assert_eq!((load.duration, load.loaded_until, load.is_released), (2.5, 4.5, false), "{cut}");
-            assert_eq!(load.peak, Extreme { value: -5.0, at: 1.0 });
+            assert_eq!(load.peak.largest, Extreme { value: -5.0, at: 1.0 });
         }
     }
 
     #[test]
     fn ripples_of_rounding_do_not_move_a_peak() {
-        let mut load = Load::new(1.0);
+        let mut load = Load::new(1.0, false);
         load.add(
             &rows(&[(0.0, 0.0), (1.0, 3.0), (2.0, 3.0 * (1.0 + 1e-13)), (3.0, 1e-15), (4.0, -1e-15), (5.0, 9.0)]),
             4.0,
         );
-        assert_eq!((load.peak.at, load.duration, load.is_released), (1.0, 1.0, true));
+        assert_eq!((load.peak.largest.at, load.duration, load.is_released), (1.0, 1.0, true));
+    }
+
+    /// Stresses that last for a step or two are no peaks where flow takes them away, whatever batches rows come in; a wave that ends the run is one.
+    #[test]
+    fn what_flow_takes_away_within_two_steps_is_no_peak() {
+        let all = [0.0, -110.0, -90.0, -79.0, -79.5, -84.0, -83.0, -82.0, -82.0, -90.0, -91.0];
+        let all: Vec<(f64, f64)> = all.iter().enumerate().map(|(k, &stress)| (k as f64, stress)).collect();
+        for cut in 0..all.len() {
+            let mut load = Load::new(1.0, true);
+            load.add(&rows(&all[..cut]), 20.0);
+            load.add(&rows(&all[cut..]), 20.0);
+            assert_eq!(load.peak.largest, Extreme { value: -84.0, at: 5.0 }, "{cut}");
+            load.peak.close();
+            assert_eq!(load.peak.largest, Extreme { value: -91.0, at: 10.0 }, "{cut}");
+        }
     }
 }

@@ -93,7 +93,7 @@ impl Checker<'_> {
         self.steps_can_be_taken(raw_solve.get_ref(), &solve, &bar)?;
         self.initial_states(raw_bar, &raw_effects, &effects, &bar)?;
         self.staircases_are_short(raw_bar, &bar, &solve.method)?;
-        let record = self.record(&raw.record, &bar, &effects, &solve)?;
+        let record = self.record(&raw.record, &bar, (&effects, auto.is_some()), &solve)?;
         let [left, right] = ends;
         let name = self.name();
         let (title, base) = (raw.title.unwrap_or_else(|| name.clone()), self.base.to_owned());

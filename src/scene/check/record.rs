@@ -22,7 +22,13 @@ const GAUGE_BYTES: f64 = 40.0;
 const LEAST_ROWS: f64 = 1024.0;
 
 impl Checker<'_> {
-    pub(super) fn record(&self, raw: &RawRecord, bar: &Bar, effects: &Effects, solve: &Solve) -> Result<Record> {
+    pub(super) fn record(
+        &self,
+        raw: &RawRecord,
+        bar: &Bar,
+        (effects, auto): (&Effects, bool),
+        solve: &Solve,
+    ) -> Result<Record> {
         let cells = self.count_of_cells(&raw.cells)?;
         let tracked = solve.method.tracks_fronts();
         let record = Record {
@@ -30,7 +36,7 @@ impl Checker<'_> {
             // Which method a tolerance chooses must not change what is recorded.
             cells: cells.or((tracked || solve.tolerance.is_some()).then_some(SAMPLES)),
             paths: self.paths(raw, &solve.method)?,
-            fields: self.fields(raw, effects)?,
+            fields: self.fields(raw, effects, auto)?,
             gauges: self.gauges(&raw.gauges, bar.length(), "bar")?,
             precision: raw.precision.unwrap_or_default(),
             compression: raw.compression.unwrap_or_default(),
@@ -121,7 +127,8 @@ impl Checker<'_> {
         Ok(times)
     }
 
-    fn fields(&self, raw: &RawRecord, effects: &Effects) -> Result<Vec<Field>> {
+    /// The fields; those of effects that `auto` turns on because of them may be among these.
+    fn fields(&self, raw: &RawRecord, effects: &Effects, auto: bool) -> Result<Vec<Field>> {
         let Some(list) = &raw.fields else { return Ok(vec![Field::Stress, Field::Strain, Field::Velocity]) };
         let mut fields = Vec::with_capacity(list.len());
         for (i, word) in list.iter().enumerate() {
@@ -135,12 +142,12 @@ impl Checker<'_> {
                 return Err(error.help("name each field once").into());
             }
             let plastic = matches!(field, Field::PlasticStrain | Field::AccumulatedPlasticStrain);
-            if plastic && effects.hardening.is_none() {
+            if plastic && effects.hardening.is_none() && !auto {
                 let message = format!("`{}` is not available without a hardening rule", field.name());
                 let help = "add [effects] with hardening = \"isotropic\", or remove the field";
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
-            if field == Field::Temperature && effects.heat.is_none() {
+            if field == Field::Temperature && effects.heat.is_none() && !auto {
                 let message = "`temperature` is not available without adiabatic heating";
                 let help = "add [effects] with heat = { fraction = 0.9 }, or remove the field";
                 return Err(self.error(word.span(), &key, message).help(help).into());

@@ -35,6 +35,8 @@ struct Round {
     radius: f64,
     polar: f64,
     hollow: Option<TubeSection>,
+    /// Of a thin tube, m.
+    wall: Option<f64>,
 }
 
 fn all_given(raw: &Placed<RawBar>) -> Vec<Given<'_>> {
@@ -105,7 +107,7 @@ impl Checker<'_> {
             if k == 0 {
                 torsion.radius = round.radius;
             }
-            self.same_radius(&given, round.radius, torsion.radius)?;
+            self.same_radius(&given, &round, torsion.radius)?;
             let shear = self.in_shear(raw.get_ref(), &given, &segment.material)?;
             if let Some(hollow) = round.hollow {
                 let key = (Arc::as_ptr(&segment.material) as usize, hollow.q.to_bits());
@@ -131,14 +133,22 @@ impl Checker<'_> {
         Ok(torsion)
     }
 
-    fn same_radius(&self, given: &Given<'_>, radius: f64, first: f64) -> Result<()> {
-        if (radius / first - 1.0).abs() <= SAME_RADIUS {
+    fn same_radius(&self, given: &Given<'_>, round: &Round, first: f64) -> Result<()> {
+        if (round.radius / first - 1.0).abs() <= SAME_RADIUS {
             return Ok(());
         }
-        let message = "in torsion all segments have one outer diameter (thin tubes: one mean diameter)";
+        let (common, own) = (2.0 * first, 2.0 * round.radius);
+        let (kind, allowed) = match round.wall {
+            Some(wall) => ("mean", common + wall),
+            None => ("outer", common),
+        };
+        let message = format!(
+            "in torsion all segments have one diameter, rods and thick tubes the outer one, thin tubes (`wall`) the mean one: the {kind} diameter here \
+             is {own} m, that of the first segment {common} m"
+        );
         let span = given.piece.diameter.map_or(given.span.clone(), Placed::span);
         let error = self.error(span, &format!("{}.diameter", given.key), message);
-        Err(error.allowed(format!("{} m", 2.0 * first)).help("change the section by `inner-diameter` instead").into())
+        Err(error.allowed(format!("{allowed} m")).help("change the section by `inner-diameter` instead").into())
     }
 
     fn round(&self, given: &Given<'_>) -> Result<Round> {
@@ -167,7 +177,7 @@ impl Checker<'_> {
                 let range = Allowed::Above(0.0, outer / THINNEST);
                 let wall = wall.si_within(self.document, range)?;
                 let radius = 0.5 * (outer - wall);
-                Ok(Round { radius, polar: 2.0 * PI * radius.powi(3) * wall, hollow: None })
+                Ok(Round { radius, polar: 2.0 * PI * radius.powi(3) * wall, hollow: None, wall: Some(wall) })
             }
             (inner, None) => {
                 // Thinner walls than this are lost in rounding.
@@ -175,7 +185,7 @@ impl Checker<'_> {
                 let inner = inner.map_or(Ok(0.0), |inner| inner.si_within(self.document, range))?;
                 let q = inner / outer;
                 let polar = PI / 32.0 * outer.powi(4) * (1.0 - q) * (1.0 + q) * (1.0 + q * q);
-                Ok(Round { radius: 0.5 * outer, polar, hollow: Some(TubeSection { q }) })
+                Ok(Round { radius: 0.5 * outer, polar, hollow: Some(TubeSection { q }), wall: None })
             }
         }
     }

@@ -118,6 +118,50 @@ const STEADY: f64 = 0.02;
 const FOLLOWED: f64 = 0.9;
 
 impl InitialFan {
+    /// Of these fronts, which start at t = 0 and run through a segment, given with its number, in a direction: driven by a velocity that never changes.
+    fn at_start((origin, direction): (Origin, f64), (segment, at): (usize, &Segment), sense: Sense, fan: Fan) -> Self {
+        let curve = at.material.branch(sense);
+        let uniform_for = same_section(at, direction);
+        Self {
+            velocity_ahead: at.velocity,
+            uniform_for,
+            ..Self::steady((origin, direction), segment, (sense, curve), fan)
+        }
+    }
+
+    /// The same in a bar at rest that is uniform, of this curve.
+    pub fn steady(
+        (origin, direction): (Origin, f64),
+        segment: usize,
+        (sense, curve): (Sense, &Curve),
+        fan: Fan,
+    ) -> Self {
+        Self {
+            origin,
+            x: 0.0,
+            segment,
+            direction,
+            sense,
+            shock: fan.edges.last().is_some_and(|edge| edge.is_shock(curve)),
+            fan,
+            velocity_ahead: 0.0,
+            from: 0.0,
+            wave_through: None,
+            waves_before: 0,
+            sudden: false,
+            lessens_from: f64::INFINITY,
+            fades: 0.0,
+            unloads: Unloads::Elastically,
+            yields_after: f64::INFINITY,
+            loads_until: f64::INFINITY,
+            holds_until: f64::INFINITY,
+            driver: Driver::Velocity,
+            alone: false,
+            uniform_for: f64::INFINITY,
+            delays: Vec::new(),
+        }
+    }
+
     /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
     /// other wave has come. 0 where that state is not known.
     pub fn known_until(&self, length: f64) -> f64 {
@@ -385,29 +429,14 @@ fn of_end(imposed: Imposed, origin: Origin, x: f64, segment: usize, at: &Segment
     let (curve, change) = (at.material.branch(sense), imposed.change.abs());
     let fan =
         if under_stress { fan_at_stress(curve, density, change) } else { fan_at_velocity(curve, density, change) };
+    let Imposed { driver, sudden, loads_until, holds_until, .. } = imposed;
     (!fan.edges.is_empty() || fan.above_critical).then_some(InitialFan {
-        origin,
         x,
-        segment,
-        direction,
-        sense,
-        shock: is_shock(&fan, curve),
-        uniform_for: same_section(at, direction),
-        fan,
-        velocity_ahead: at.velocity,
-        from: 0.0,
-        wave_through: None,
-        waves_before: 0,
-        sudden: imposed.sudden,
-        lessens_from: f64::INFINITY,
-        fades: 0.0,
-        unloads: Unloads::Elastically,
-        yields_after: f64::INFINITY,
-        loads_until: imposed.loads_until,
-        holds_until: imposed.holds_until,
-        driver: imposed.driver,
-        alone: false,
-        delays: Vec::new(),
+        sudden,
+        loads_until,
+        holds_until,
+        driver,
+        ..InitialFan::at_start((origin, direction), (segment, at), sense, fan)
     })
 }
 
@@ -548,38 +577,10 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
     [(k, left, left_area, -1.0), (k + 1, right, right_area, 1.0)]
         .into_iter()
         .map(|(segment, at, area, direction)| {
-            let fan = fan(at, force / area);
-            InitialFan {
-                origin: Origin::Joint(k),
-                x,
-                segment,
-                direction,
-                sense,
-                shock: is_shock(&fan, at.material.branch(sense)),
-                uniform_for: same_section(at, direction),
-                fan,
-                velocity_ahead: at.velocity,
-                from: 0.0,
-                wave_through: None,
-                waves_before: 0,
-                sudden: true,
-                lessens_from: f64::INFINITY,
-                fades: 0.0,
-                unloads: Unloads::Elastically,
-                yields_after: f64::INFINITY,
-                loads_until: f64::INFINITY,
-                holds_until: f64::INFINITY,
-                driver: Driver::Velocity,
-                alone: false,
-                delays: Vec::new(),
-            }
+            let fan = InitialFan::at_start((Origin::Joint(k), direction), (segment, at), sense, fan(at, force / area));
+            InitialFan { x, sudden: true, ..fan }
         })
         .collect()
-}
-
-/// The slowest front of a fan is a shock.
-fn is_shock(fan: &Fan, curve: &Curve) -> bool {
-    fan.edges.last().is_some_and(|edge| edge.is_shock(curve))
 }
 
 /// Largest stress of the curve, Pa; infinite if it increases without limit.

@@ -84,6 +84,11 @@ impl Criterion {
         reached / self.threshold
     }
 
+    /// Power of the stress with which that part goes in an elastic place.
+    pub fn power_of_stress(&self) -> i32 {
+        if self.cause == Cause::Energy { 2 } else { 1 }
+    }
+
     /// Whether that share, at a place with the notch factor `notch` on top, is all of it.
     pub fn is_met(share: f64, notch: f64) -> bool {
         share * notch >= REACHED

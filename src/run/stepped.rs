@@ -12,7 +12,7 @@ use crate::accuracy::GridListener;
 use crate::assemble;
 use crate::bar::Segment;
 use crate::error::{Error, Result, RunError};
-use crate::law::rupture::Site;
+use crate::law::rupture::{Rupture, Site};
 use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Frames, FrontTracker, JointRows,
     Ledger, LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
@@ -435,6 +435,9 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             broken.extend(self.limits.iter().filter_map(|limit| limit.broken(self.recorder.scene)));
         }
         broken.extend(self.bar.unresolved_tension().as_ref().map(record::short_tension));
+        let modulus = |rupture: &Rupture| segments[rupture.segment].material.modulus;
+        let first = self.bar.ruptures().first();
+        broken.extend(first.and_then(|rupture| record::late_fracture(rupture, modulus(rupture))));
         let mut rows = self.audit.rows(broken);
         if let Some(Rate::Malvern { k }) = self.recorder.scene.effects.rate {
             rows.extend(record::unresolved_flow(k, grid.dt));

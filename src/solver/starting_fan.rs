@@ -387,7 +387,6 @@ fn ramped(t: f64, width: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bar::Unloads;
     use crate::material::{Beyond, Curve, Sense};
     use crate::wave::similarity::fan_at_velocity;
 
@@ -400,28 +399,11 @@ mod tests {
         let curve = Curve::new(&[(0.0, 0.0), (1e-3, 200e6), (0.05, 1180e6)], Beyond::Extend).expect("a curve");
         let fan = fan_at_velocity(&curve, DENSITY, 30.0);
         let initial_fan = InitialFan {
-            origin: Origin::Left,
-            x: 0.0,
-            segment: 0,
-            direction: 1.0,
-            sense: Sense::Compression,
-            fan,
-            shock: false,
-            velocity_ahead: 0.0,
-            from: 0.0,
-            wave_through: None,
-            waves_before: 0,
             sudden: true,
-            unloads: Unloads::Elastically,
             lessens_from: if driver == Driver::Body { 0.0 } else { f64::INFINITY },
-            yields_after: f64::INFINITY,
-            fades: 0.0,
-            loads_until: f64::INFINITY,
-            holds_until: f64::INFINITY,
             driver,
             alone: true,
-            uniform_for: f64::INFINITY,
-            delays: Vec::new(),
+            ..InitialFan::steady((Origin::Left, 1.0), 0, (Sense::Compression, &curve), fan)
         };
         let wave_speed = (MODULUS / DENSITY).sqrt();
         StartingFan::new(&initial_fan, DENSITY, &Resolution { wave_speed, ..GRID }, ramp).expect("a fan")

@@ -28,7 +28,7 @@ use rate::RateRise;
 pub use rate::unresolved_flow;
 pub use reversal::reversed_flow;
 use rupture::TensileStrain;
-pub use rupture::{above_critical, at_limit, broken_end, broken_inside, past_data, short_tension};
+pub use rupture::{above_critical, at_limit, broken_end, broken_inside, late_fracture, past_data, short_tension};
 use serde::{Deserialize, Serialize};
 use unloading::Unloading;
 

@@ -9,6 +9,7 @@ use super::finding::{DECISIVE, Finding};
 use super::places::Places;
 use super::{AuditRow, Reading};
 use crate::bar::{Driver, InitialFan};
+use crate::law::rupture::Rupture;
 use crate::law::{Limit, Reached};
 use crate::material::{Loading, Material, Sense, UltimateReason};
 use crate::solver::fd::{CELLS_TO_BREAK, Unresolved};
@@ -147,6 +148,21 @@ pub fn short_tension(unresolved: &Unresolved) -> AuditRow {
         format(unresolved.time, Dimension::Time, System::Si),
     );
     AuditRow { remedy: "Use more cells, or `method = \"moc\"`".into(), ..broken(finding) }
+}
+
+/// Part of a strain by which it is that of an elastic place.
+const SAME_STRAIN: f64 = 1e-6;
+
+/// A grid fractures sections that have not yielded some steps late. None where the first fracture is another one, in a material of this modulus (Pa).
+pub fn late_fracture(first: &Rupture, modulus: f64) -> Option<AuditRow> {
+    let is_elastic = (modulus * first.strain - first.stress).abs() <= SAME_STRAIN * first.stress;
+    let finding = std::format!(
+        "on the grid the fracture at t = {} leaves tensile pulses of up to {}, some four cells long, that a sharp fracture does not have; later peaks of \
+         forces and stresses may be theirs, and a fixed end doubles them, which can break the bar; method = \"moc\" has none",
+        format(first.time, Dimension::Time, System::Si),
+        format(first.stress, Dimension::Stress, System::Si),
+    );
+    is_elastic.then(|| broken(finding))
 }
 
 /// Why a run stops that has reached a limit of what its law knows, and what to do.

@@ -44,6 +44,9 @@ pub struct EndNode {
     throughput: f64,
     /// The velocity follows from what holds the end.
     held: bool,
+    /// Of the velocity half a step before t = 0, while that is the current time: what the balance of a held end needs and the end has not had, m/s,
+    /// into the bar.
+    not_moved: f64,
     cells: Cells,
     /// What the present step takes over, see [`Impulses::choose`].
     passed_on: PassedOn,
@@ -128,6 +131,7 @@ impl EndNode {
             impulse: 0.0,
             throughput: 0.0,
             held: false,
+            not_moved: 0.0,
             cells: Cells::Elastic,
             passed_on: PassedOn::default(),
             struck: false,
@@ -163,9 +167,11 @@ impl EndNode {
 
     /// See [`HalfNode::start_under`].
     pub(super) fn start_under(&mut self, half: f64) {
+        let before = self.node.before;
         self.node.start_under(half);
         if self.held {
             self.stress = 2.0 * half;
+            self.not_moved = self.node.before - before;
         }
     }
 
@@ -202,7 +208,7 @@ impl EndNode {
         }
         let ahead = 2.0 * force - self.impulses.passed_on(cell, self.passed_on);
         self.means = [self.means[1], ahead];
-        self.start = None;
+        (self.start, self.not_moved) = (None, 0.0);
         // Once cells have flowed, waves of a cell's length run to and fro before them, and would open contacts in every second step.
         let impulse = self.dt
             * if self.is_characteristic() && self.cells == Cells::Elastic {
@@ -493,7 +499,7 @@ impl EndNode {
 
     /// Velocity at the current time, m/s. Where the end is suddenly made to move it is that before the jump.
     pub fn velocity(&self) -> f64 {
-        let before = self.velocity_before();
+        let before = self.velocity_before() - self.face.inward * self.not_moved;
         if self.struck { before } else { 0.5 * (before + self.velocity_after()) }
     }
 

@@ -240,7 +240,7 @@ impl Leapfrog {
     }
 
     /// Both neighbours of a cell on either side have come to the threshold, too: across nodes that hold together, and at an
-    /// end that pulls as in a mirror.
+    /// end that pulls as in a mirror. Beyond a joint it is the force that has: sections and materials differ there.
     fn is_sustained(&self, breaking: &Breaking, due: &Due) -> bool {
         let block = &self.blocks[due.block];
         let criterion = &breaking.criteria.segments[block.segment];
@@ -248,7 +248,12 @@ impl Leapfrog {
         let holds = |node: usize, beyond: Option<usize>| {
             let cell = beyond.filter(|&cell| cell < self.grid.cells())?;
             let (k, i) = self.block_of(cell);
-            let met = Criterion::is_met(self.share(k, i, criterion) * due.share / own, 1.0);
+            let part = if self.blocks[k].segment == block.segment {
+                self.share(k, i, criterion) / own
+            } else {
+                (self.force(k, i) / self.force(due.block, due.cell)).max(0.0).powi(criterion.power_of_stress())
+            };
+            let met = Criterion::is_met(due.share * part, 1.0);
             Some(met && !self.is_parted(breaking, node))
         };
         let to_left = (1..=SUSTAINED).map_while(|k| holds((cell + 1).saturating_sub(k), cell.checked_sub(k)));
@@ -256,6 +261,12 @@ impl Leapfrog {
         let reaches_end = cell < SUSTAINED && self.is_parted(breaking, 0)
             || cell + SUSTAINED >= self.grid.cells() && self.is_parted(breaking, self.grid.cells());
         !reaches_end && to_left.chain(to_right).all(|met| met)
+    }
+
+    /// Of a cell, N, tension positive.
+    fn force(&self, k: usize, i: usize) -> f64 {
+        let block = &self.blocks[k];
+        block.sigma[i] * block.area(i) * self.constants[block.segment].area
     }
 
     /// The block of a cell, and the cell's place in it.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{FrontSegment, FrontTracking, Stopped};
-use crate::bar::{Driver, InitialFan, Origin, Unloads};
+use crate::bar::{InitialFan, Origin};
 use crate::material::Sense;
 use crate::wave::similarity::{Edge, Fan, is_elastic};
 
@@ -142,36 +142,21 @@ impl FrontTracking {
         let sense = Sense::of(behind.stress - ahead.stress);
         let edges: Vec<Edge> = fronts.iter().map(|front| self.edge(front, sense)).collect();
         let slowest = *edges.last()?;
+        let fan = Fan {
+            edges,
+            strain: slowest.strain_behind,
+            stress: slowest.stress_behind,
+            velocity: (behind.velocity - ahead.velocity).abs(),
+            above_critical: false,
+            beyond_data: false,
+        };
+        let curve = self.materials[segment].branch(sense);
         Some(InitialFan {
-            origin: Origin::Left,
             x: first.x[0],
-            segment,
-            direction: 1.0,
-            sense,
-            shock: slowest.is_shock(self.materials[segment].branch(sense)),
-            fan: Fan {
-                edges,
-                strain: slowest.strain_behind,
-                stress: slowest.stress_behind,
-                velocity: (behind.velocity - ahead.velocity).abs(),
-                above_critical: false,
-                beyond_data: false,
-            },
             velocity_ahead: ahead.velocity,
             from: first.t[0],
-            wave_through: None,
-            waves_before: 0,
-            sudden: false,
-            lessens_from: f64::INFINITY,
-            fades: 0.0,
-            unloads: Unloads::Elastically,
-            yields_after: f64::INFINITY,
-            loads_until: f64::INFINITY,
-            holds_until: f64::INFINITY,
-            driver: Driver::Velocity,
             alone: true,
-            uniform_for: f64::INFINITY,
-            delays: Vec::new(),
+            ..InitialFan::steady((Origin::Left, 1.0), segment, (sense, curve), fan)
         })
     }
 

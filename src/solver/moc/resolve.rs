@@ -1,7 +1,7 @@
 //! The waves emitted from an interaction of fronts, inside the bar and at its ends.
 
 use super::FrontTracking;
-use super::list::{Kind, Node};
+use super::list::{Kind, NONE, Node};
 use super::nearness::{ONE_STATE, REST, in_balance, same_motion};
 use super::tracking::Scratch;
 use crate::wave::riemann::{Emitted, Path, Point, Side, Workspace, solve};
@@ -41,6 +41,7 @@ impl FrontTracking {
     /// Solves the Riemann problem of the nodes `first..=last` that meet at x now, and puts what it sends in their place.
     pub(super) fn resolve(&mut self, first: u32, last: u32, x: f64) {
         self.book_shift(first, last, x);
+        let before = if self.rupture.is_some() { self.beside_joint(first, last) } else { None };
         let fixed = self.clear(first, last);
         match fixed {
             Some(id) if id == self.end_nodes[0] => self.resolve_end(0, id, x),
@@ -49,7 +50,7 @@ impl FrontTracking {
                 let prev = self.list.get(id).prev;
                 let right = self.list.get(id).right;
                 if !self.resolve_apart(prev, id, right, x) {
-                    self.resolve_inside(prev, Some(id), right, x);
+                    self.resolve_joint(prev, id, right, (before, x));
                 }
             }
             None => {
@@ -123,15 +124,39 @@ impl FrontTracking {
         0.5 * (force(left) + force(right)) * (right.right.velocity - left.right.velocity) * (self.now - node.t)
     }
 
+    /// The states on both sides of a joint among the nodes `first..=last`, before any of them comes to it.
+    fn beside_joint(&self, first: u32, last: u32) -> Option<[Point; 2]> {
+        let mut id = first;
+        while !self.list.get(id).is_fixed() {
+            if id == last {
+                return None;
+            }
+            id = self.list.get(id).next;
+        }
+        let node = self.list.get(id);
+        (node.prev != NONE).then(|| [self.list.get(node.prev).right, node.right])
+    }
+
     /// Between the piece to the right of `prev` and the state `right`, at a joint or anywhere.
     pub(super) fn resolve_inside(&mut self, prev: u32, joint: Option<u32>, right: Point, x: f64) {
+        self.resolve_between((prev, right), joint, None, x);
+    }
+
+    /// The same at a joint, the sides of which were in these states `before` the waves came.
+    fn resolve_joint(&mut self, prev: u32, joint: u32, right: Point, (before, x): (Option<[Point; 2]>, f64)) {
+        self.resolve_between((prev, right), Some(joint), before, x);
+    }
+
+    fn resolve_between(&mut self, (prev, right): (u32, Point), joint: Option<u32>, before: Option<[Point; 2]>, x: f64) {
         let left = self.list.get(prev).right;
         let left_segment = self.list.get(prev).segment;
         let right_segment = joint.map_or(left_segment, |id| self.list.get(id).segment);
         let Inside { behind: [behind_left, behind_right], capped, elastic } =
             self.answer_inside((left_segment, left), (right_segment, right));
         if self.rupture.is_some() {
-            let sides = [(left_segment, left, behind_left), (right_segment, right, behind_right)];
+            // Waves from both sides at once may bring what the joint comes to.
+            let [from_left, from_right] = before.unwrap_or([left, right]);
+            let sides = [(left_segment, from_left, behind_left), (right_segment, from_right, behind_right)];
             if self.breaks_inside(&sides, capped, joint, x) {
                 return self.part(prev, joint, right, x);
             }

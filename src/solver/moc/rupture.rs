@@ -34,7 +34,13 @@ impl FrontTracking {
             breaking.breaks(side, medium, notch, level)
         };
         let paths = [&self.scratch.work.left, &self.scratch.work.right];
-        let Some((&side, _)) = sides.iter().zip(paths).find(breaks) else { return false };
+        // The side that is farthest beyond its criterion is that which breaks.
+        let share = |side: &Answer| {
+            let medium = &self.media[side.0 as usize];
+            breaking.criteria.segments[side.0 as usize].share(&strained(medium, &side.2))
+        };
+        let broken = sides.iter().zip(paths).filter(breaks).map(|(side, _)| *side);
+        let Some(side) = broken.reduce(|a, b| if share(&b) > share(&a) { b } else { a }) else { return false };
         let site = if joint.is_some() { Site::Joint(left_segment) } else { Site::Inside(left_segment) };
         self.note(&side, site, x);
         true

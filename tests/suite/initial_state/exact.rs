@@ -1,8 +1,10 @@
 //! Every method against exact solutions of bars that are stressed, or have yielded, at t = 0.
 
-use barwave::assemble;
-use barwave::record::StepGauges;
+use std::ops::ControlFlow;
+
+use barwave::record::{Field, StepGauges};
 use barwave::solver::moc::Settings;
+use barwave::{assemble, run};
 
 use super::methods::{By, Seen, follow};
 use super::{E, HARDENING, IMPEDANCE, YIELD, material, scene, text};
@@ -70,6 +72,23 @@ fn a_prestressed_bar_that_is_released_at_one_end_rings() {
         at(1.5, [(0.5, -sigma, 0.0), (1.0, 0.0, -v)]);
         at(2.5, [(0.5, -sigma, 0.0), (1.0, 0.0, v)]);
         at(3.5, [(0.5, sigma, 0.0), (1.0, 0.0, v)]);
+    }
+}
+
+/// By leapfrog its end cells moved at first, with 1.25 m/s for 100 MPa.
+#[test]
+fn a_prestressed_bar_between_fixed_ends_or_walls_is_at_rest() {
+    for (end, stress) in [(FIXED, 1e8), (FIXED, -1e8), ("kind = \"wall\"", -1e8)] {
+        let scene_text = format!(
+            "[bar]\nlength = 0.3\narea = 1e-4\nstress = {stress}\nmaterial = {{ name = \"s\", density = 8000, modulus = 200e9, \
+             curve = {{ table = [[0.01, 2e9]] }} }}\n[left]\n{end}\n[right]\n{end}\n[solve]\nuntil = 1e-5\ncells = 30\n\
+             [record]\nframes = 6\n"
+        );
+        let solution = run::solve(&scene(&scene_text), &mut |_| ControlFlow::Continue(())).expect("it runs");
+        let velocity = solution.field(Field::Velocity).expect("recorded");
+        assert!(velocity.iter().all(|velocity| *velocity == 0.0), "{end}: {velocity}");
+        assert!(solution.ledger.iter().all(|row| row.residual.abs() < 1e-12));
+        assert!(solution.ends.iter().all(|end| end.stress.iter().all(|seen| (seen / stress - 1.0).abs() < 1e-12)));
     }
 }
 

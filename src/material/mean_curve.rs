@@ -1,9 +1,10 @@
 //! The mean of the curves of several tests.
 //!
 //! Plastic strain and stress are averaged at equal fractions of the plastic strain at the largest stress, and past it at equal fractions of
-//! the way to the last row, so that tests which neck at different strains do not blunt the maximum of the mean. A test that stopped while its
-//! stress rose does not show where its largest stress is: its fractions are those of the mean plastic strain at the largest stress of the
-//! other tests. Past its end the mean goes on by the mean increment of the tests that have data there, without a step.
+//! the way to the last row, so that tests which neck at different strains do not blunt the maximum of the mean. A test whose stress rises up
+//! to its last row does not show the way past the largest stress: its fractions are those of the mean of the tests that do, scaled so that
+//! both end together if it broke or is the longer one. Past its end the mean goes on by the mean increment of the tests that have data there,
+//! without a step.
 
 use super::TestCurve;
 
@@ -31,7 +32,7 @@ pub fn mean_curve(tests: &[TestCurve], modulus: f64) -> Vec<(f64, f64)> {
     let mut at = mean(flows.iter().map(|flow| flow.at(0.0, Side::Behind)));
     add(at);
     for pair in fractions.windows(2) {
-        let with_data: Vec<&Flow> = flows.iter().filter(|flow| flow.end() > 0.5 * (pair[0] + pair[1])).collect();
+        let with_data: Vec<&Flow> = flows.iter().filter(|flow| flow.reach() > 0.5 * (pair[0] + pair[1])).collect();
         let between = |from: (f64, Side), to: (f64, Side)| {
             let change = |flow: &&Flow| {
                 let (start, end) = (flow.at(from.0, from.1), flow.at(to.0, to.1));
@@ -56,19 +57,25 @@ fn mean(values: impl ExactSizeIterator<Item = (f64, f64)>) -> (f64, f64) {
     (sum.0 / count, sum.1 / count)
 }
 
-/// The curves with the plastic strain that each of their fractions is of.
+/// The curves with the plastic strains that their fractions are of.
 fn flows(tests: &[TestCurve]) -> Vec<Flow> {
     let mut flows: Vec<Flow> = tests.iter().map(Flow::of).collect();
-    let tops: Vec<f64> = flows.iter().filter(|flow| !flow.stopped).map(|flow| flow.whole).collect();
-    let whole = if tops.is_empty() {
-        flows.iter().map(|flow| flow.last).fold(0.0, f64::max)
-    } else {
-        tops.iter().sum::<f64>() / tops.len() as f64
-    };
-    for flow in flows.iter_mut().filter(|flow| flow.stopped) {
-        flow.whole = whole.max(flow.last);
+    let longest = flows.iter().map(Flow::last).fold(0.0, f64::max);
+    let (top, end) = mean_spans(flows.iter().filter(|flow| flow.falls()))
+        .or_else(|| mean_spans(flows.iter().filter(|flow| !flow.stopped)))
+        .unwrap_or((longest, longest));
+    for flow in flows.iter_mut().filter(|flow| !flow.falls()) {
+        let scale = if end > 0.0 { flow.end / end } else { 1.0 };
+        let scale = if flow.stopped { scale.max(1.0) } else { scale };
+        (flow.top, flow.end) = (scale * top, scale * end);
     }
     flows
+}
+
+/// Mean plastic strains at the largest stress and at the last row.
+fn mean_spans<'a>(flows: impl Iterator<Item = &'a Flow>) -> Option<(f64, f64)> {
+    let spans: Vec<(f64, f64)> = flows.map(|flow| (flow.top, flow.end)).collect();
+    (!spans.is_empty()).then(|| mean(spans.into_iter()))
 }
 
 /// The fractions of all knots, increasing.
@@ -90,9 +97,10 @@ enum Side {
 /// Stress against plastic strain, which never falls, from the elastic limit on.
 struct Flow {
     points: Vec<(f64, f64)>,
-    /// Plastic strain of which its fractions are, up to 1: that at the largest stress.
-    whole: f64,
-    last: f64,
+    /// Plastic strain of fraction 1: that at the largest stress.
+    top: f64,
+    /// Plastic strain of fraction 2: that at the last row.
+    end: f64,
     stopped: bool,
 }
 
@@ -108,30 +116,38 @@ impl Flow {
                 top = (p, stress);
             }
         }
-        let last = points[points.len() - 1].0;
-        Self { points, whole: top.0, last, stopped: test.stopped_while_rising() }
+        let end = points[points.len() - 1].0;
+        Self { points, top: top.0, end, stopped: test.stopped_while_rising() }
     }
 
-    /// 0 to 1 up to the largest stress, 1 to 2 from there to the last row.
+    /// It goes on past the largest stress.
+    fn falls(&self) -> bool {
+        self.end > self.top
+    }
+
+    fn last(&self) -> f64 {
+        self.points[self.points.len() - 1].0
+    }
+
     fn fraction(&self, p: f64) -> f64 {
-        if p > self.whole {
-            1.0 + (p - self.whole) / (self.last - self.whole)
-        } else if self.whole > 0.0 {
-            p / self.whole
+        if p > self.top {
+            1.0 + (p - self.top) / (self.end - self.top)
+        } else if self.top > 0.0 {
+            p / self.top
         } else {
             0.0
         }
     }
 
     /// The fraction at its last row.
-    fn end(&self) -> f64 {
-        self.fraction(self.last)
+    fn reach(&self) -> f64 {
+        self.fraction(self.last())
     }
 
     /// Plastic strain and stress at a fraction.
     fn at(&self, t: f64, side: Side) -> (f64, f64) {
-        let p = if t <= 1.0 { t * self.whole } else { self.whole + (t - 1.0) * (self.last - self.whole) };
-        let near = SAME * self.last;
+        let p = if t <= 1.0 { t * self.top } else { self.top + (t - 1.0) * (self.end - self.top) };
+        let near = SAME * self.last();
         let behind = match side {
             Side::Before => self.points.partition_point(|point| point.0 < p - near),
             Side::Behind => self.points.partition_point(|point| point.0 <= p + near),
@@ -189,6 +205,20 @@ mod tests {
         near(&mean_curve(&same, 200e9), KNOTS.into_iter());
         let scaled = [0.9, 1.1].map(|scale| test(&KNOTS, scale, Beyond::Error));
         near(&mean_curve(&scaled, 200e9), KNOTS.into_iter());
+    }
+
+    #[test]
+    fn a_test_that_breaks_while_its_stress_rises_does_not_lengthen_the_mean() {
+        let falling = test(&KNOTS, 1.0, Beyond::Rupture);
+        let mut knots = KNOTS;
+        knots[7] = (0.2 + 12e6 / 200e9, 322e6);
+        let rising = test(&knots, 1.0, Beyond::Rupture);
+        let top = (320e6 + 2.0 * 320e6) / 3.0;
+        let end = (322e6 + 2.0 * 310e6) / 3.0;
+        // The same plastic strains: stresses are averaged, with elastic strains of their own.
+        let at = |knot: (f64, f64), stress: f64| (knot.0 + (stress - knot.1) / 200e9, stress);
+        let expected = KNOTS[..6].iter().copied().chain([at(KNOTS[6], top), at(KNOTS[7], end)]);
+        near(&mean_curve(&[falling.clone(), rising, falling], 200e9), expected);
     }
 
     #[test]

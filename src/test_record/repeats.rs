@@ -85,9 +85,8 @@ fn stopped(tests: &[TestCurve]) -> Vec<String> {
              other tests"
         )
     };
-    let some = tests.iter().any(|test| !test.stopped_while_rising());
     let longest = tests.iter().map(|test| test.curve.last_strain()).fold(0.0, f64::max);
-    let ends = |test: &&TestCurve| test.stopped_while_rising() && (some || test.curve.last_strain() < longest);
+    let ends = |test: &&TestCurve| test.stopped_while_rising() && test.curve.last_strain() < longest;
     tests.iter().filter(ends).map(of).collect()
 }
 

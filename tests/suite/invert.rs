@@ -458,6 +458,11 @@ const KOLSKY: [&str; 12] = [
 impl Kolsky {
     /// A pulse of 12 m/s of a length (s), with edges of 15 us.
     fn of(length: f64) -> Self {
+        Self::yielding_at(300e6, length)
+    }
+
+    /// The same with another elastic limit, Pa.
+    fn yielding_at(limit: f64, length: f64) -> Self {
         let c0 = (200e9_f64 / 7850.0).sqrt();
         let (dt, edge, ratio) = (1e-7, 15e-6, (10.0_f64 / 16.0).powi(2));
         let pulse = |t: f64| 12.0 / (2.0 * c0) * (t / edge).min((length + edge - t) / edge).clamp(0.0, 1.0);
@@ -466,7 +471,7 @@ impl Kolsky {
         for k in 0..((length + 4.0 * edge) / dt) as usize {
             let incident = pulse(dt * k as f64);
             strain += 2.0 * c0 / 5e-3 * (incident - ratio * stress / 200e9) * dt;
-            while 70e9 * (strain - plastic) > 300e6 + 400e6 * plastic.powf(0.4) {
+            while 70e9 * (strain - plastic) > limit + 400e6 * plastic.powf(0.4) {
                 plastic += 1e-7;
             }
             stress = (70e9 * (strain - plastic)).max(0.0);
@@ -496,6 +501,32 @@ impl Kolsky {
 }
 
 const MICRO: &str = "time_us,incident (ue),transmitted (ue)";
+
+#[test]
+fn a_record_that_resolves_the_elastic_limit_gives_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    Kolsky::yielding_at(200e6, 200e-6).write(&path.join("test.csv"), MICRO, [0.0; 2]);
+    let arguments = "invert hopkinson test.csv --modulus 70GPa --density 2700kg/m^3 -o known.toml --json";
+    let found = json(path, &joined(&arguments.split_whitespace().collect::<Vec<_>>(), &KOLSKY));
+    let known = library::find("known.toml", path).expect("a material");
+    let limit = known.branch(Sense::Compression).elastic_limit(known.modulus).1;
+    // Rows at the elastic limit are 4e-4 of strain apart: 28 MPa.
+    assert!((limit - 200e6).abs() < 28e6, "{limit:e}");
+    // Between the knots, too.
+    let knots: Vec<[f64; 2]> = found["curve"]
+        .as_array()
+        .expect("a curve")
+        .iter()
+        .map(|knot| ["strain", "stress_Pa"].map(|key| knot[key].as_f64().expect("a number")))
+        .collect();
+    for pair in knots.windows(2).filter(|pair| pair[0][0] > 0.003) {
+        let [strain, stress] = [0, 1].map(|k| 0.5 * (pair[0][k] + pair[1][k]));
+        let plastic = (0..40).fold(strain, |p, _| strain - (200e6 + 400e6 * p.max(0.0).powf(0.4)) / 70e9);
+        let truth = 200e6 + 400e6 * plastic.max(0.0).powf(0.4);
+        assert!((stress / truth - 1.0).abs() < 0.03, "{strain}: {stress:e}, {truth:e}");
+    }
+}
 
 #[test]
 fn zero_offsets_of_the_gauges_are_removed() {

@@ -183,15 +183,17 @@ fn knots(modulus: Option<f64>, reduced: &Reduced) -> (Vec<MeasuredKnot>, Option<
         return (measured, Some(sentence));
     };
     let whole = with_elastic_part(&measured, modulus);
-    let limit = whole.first().filter(|knee| knee.strain < first.strain);
-    let sentence = limit.map(|knee| {
-        std::format!(
-            "up to {} with a modulus of {}, where the line of the first rows meets it: nothing is measured below strain {:.4}",
-            show(knee.stress),
-            show(modulus),
-            first.strain
-        )
-    });
+    let sentence = |knee: &MeasuredKnot| {
+        let part = std::format!("up to {} with a modulus of {}", show(knee.stress), show(modulus));
+        if knee.strain < first.strain {
+            return std::format!(
+                "{part}, where the line of the first rows meets it: nothing is measured below strain {:.4}",
+                first.strain
+            );
+        }
+        std::format!("{part}, with which the measured stresses agree up to there within their intervals")
+    };
+    let sentence = whole.first().map(sentence);
     (whole, sentence)
 }
 

@@ -66,22 +66,26 @@ pub fn from_waves(points: &[WavePoint], density: f64, modulus: Option<f64>) -> V
     points[first.min(points.len())..].iter().map(knot).collect()
 }
 
-/// Fewest knots, and the part of all, whose line is prolonged to the elastic line.
-const FEWEST_IN_LINE: usize = 3;
+/// Part of the largest stress that is no difference: the start of the pulse, and so the strain, is not known more closely.
+const KNOWN: f64 = 0.01;
+
+/// Largest part of the knots whose line is prolonged to the elastic line, and so many where they are few.
 const IN_LINE: f64 = 0.25;
+const FEW: usize = 3;
 
 /// A curve that starts past its elastic part, with a modulus: what lies on the elastic line within its interval is left out, and the line
-/// through the first of the other knots is prolonged to it. A concave curve lies between that and the chord from the origin.
+/// through the first of the other knots, as many as lie on one within their intervals, is prolonged to it. A concave curve lies between that
+/// and the chord from the origin.
 pub fn with_elastic_part(knots: &[MeasuredKnot], modulus: f64) -> Vec<MeasuredKnot> {
-    let on_line = |knot: &&MeasuredKnot| knot.interval[1] >= modulus * knot.strain;
+    let known = known_stress(knots);
+    let on_line = |k: &&MeasuredKnot| modulus * k.strain - k.stress <= (k.interval[1] - k.stress).min(known);
     let elastic = knots.iter().take_while(on_line).count();
     let rest = &knots[elastic..];
     let Some(first) = rest.first() else {
         let end = knots.last().map(|last| MeasuredKnot { stress: modulus * last.strain, ..*last });
         return end.into_iter().collect();
     };
-    let count = ((IN_LINE * rest.len() as f64) as usize).max(FEWEST_IN_LINE).min(rest.len());
-    let (slope, at_zero) = line(&rest[..count]);
+    let (slope, at_zero) = first_line(rest);
     let strain = (at_zero / (modulus - slope)).min(first.stress / modulus);
     let below = elastic.checked_sub(1).map_or(0.0, |last| knots[last].strain);
     let strain = strain.max(below.min(first.stress / modulus));
@@ -92,6 +96,24 @@ pub fn with_elastic_part(knots: &[MeasuredKnot], modulus: f64) -> Vec<MeasuredKn
     };
     let is_one = strain > 0.0 && slope < modulus;
     is_one.then_some(knee).into_iter().chain(rest.iter().copied()).collect()
+}
+
+/// To what a knot on the elastic line agrees with it, Pa: the median half width of all. Those of knots on steep parts hold the slope, too.
+fn known_stress(knots: &[MeasuredKnot]) -> f64 {
+    let mut half: Vec<f64> = knots.iter().map(|k| k.interval[1] - k.stress).collect();
+    half.sort_by(f64::total_cmp);
+    let largest = knots.iter().fold(0.0_f64, |top, k| top.max(k.stress));
+    half.get(half.len() / 2).map_or(0.0, |median| median.max(KNOWN * largest))
+}
+
+/// Slope and value at zero strain of the line through the first knots.
+fn first_line(knots: &[MeasuredKnot]) -> (f64, f64) {
+    let most = ((IN_LINE * knots.len() as f64) as usize).max(FEW).min(knots.len());
+    let straight = |count: &usize| {
+        let (slope, at_zero) = line(&knots[..*count]);
+        knots[..*count].iter().all(|k| (k.interval[0]..=k.interval[1]).contains(&(at_zero + slope * k.strain)))
+    };
+    line(&knots[..(FEW..=most).rev().find(straight).unwrap_or(2.min(knots.len()))])
 }
 
 /// Slope and value at zero strain of the line of least squares.

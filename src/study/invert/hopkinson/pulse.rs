@@ -121,7 +121,19 @@ fn incident_pulse(setup: &Setup, (time, strain): &Record, first: usize) -> Resul
     if end.abs() > ENDS * signed.abs() && alone.end < time.len() {
         return Err(overlap(setup.incident.distance, way, end / signed).into());
     }
-    Ok(Pulse { sign: signed.signum(), arrival: time[first], lasts: time[last] - time[first] })
+    let arrival = time[first] - foot((time, strain), first, RISEN * signed.abs());
+    Ok(Pulse { sign: signed.signum(), arrival, lasts: time[last] - arrival })
+}
+
+/// Time before a row in which the front has come up from zero, by the line from there to where it exceeds `risen`: without it, the specimen
+/// was deformed at the start.
+fn foot((time, strain): (&[f64], &[f64]), first: usize, risen: f64) -> f64 {
+    let Some(later) = strain[first..].iter().position(|e| e.abs() >= risen).filter(|rows| *rows > 0) else {
+        return 0.0;
+    };
+    let [start, end] = [first, first + later].map(|row| (time[row], strain[row].abs()));
+    let slope = (end.1 - start.1) / (end.0 - start.0);
+    (start.1 / slope).min(end.0 - start.0)
 }
 
 fn overlap(distance: f64, way: f64, level: f64) -> InputError {

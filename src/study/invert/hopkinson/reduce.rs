@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde::Serialize;
 
 use super::pulse::{Pulse, separate};
-use super::test_set::{Records, Setup};
+use super::test_set::{ElasticBar, Records, Setup};
 use crate::error::{InputError, Result};
 use crate::material::Sense;
 use crate::study::invert::bands::HALF_95;
@@ -120,6 +120,16 @@ const FEWEST_MOMENTS: usize = 400;
 
 /// Ranges of strain in the curve.
 const KNOTS: usize = 40;
+
+/// A range is halved where the curve bends in it by more than this part of the largest stress, down to so many rows.
+const FINE: f64 = 1e-3;
+const FEWEST_ROWS: usize = 2;
+
+/// A bend counts if it exceeds the standard error of the noise by this factor.
+const BEYOND_NOISE: f64 = 3.0;
+
+/// Distance of the mean of a parabola from it at the middle, over that of its middle third from the line through the others.
+const OF_A_PARABOLA: f64 = 0.75;
 
 /// Part of the largest rate below which the specimen counts as unloading.
 const SLOW: f64 = 0.1;
@@ -343,32 +353,85 @@ fn equilibrium(reduced: &mut Reduced, tolerance: f64, half: usize, end: usize) {
     reduced.imbalance = Some(imbalance[from..end].iter().fold(0.0, |top, r| top.max(*r)));
     reduced.mean_rate = Some(settled.iter().map(|m| m.rate).sum::<f64>() / settled.len() as f64);
     reduced.mean_rate_between_s = Some([moments[from].time_s, moments[end - 1].time_s]);
-    reduced.curve = knots(settled, &front[from..end], &back[from..end]);
+    reduced.curve = knots(settled, &front[from..end], &back[from..end], stress_noise(&reduced.setup, reduced.noise));
 }
 
-/// Means over equal ranges of strain.
-fn knots(settled: &[Moment], front: &[f64], back: &[f64]) -> Vec<Knot> {
+/// Standard deviation of the mean stress of the faces, Pa, by the noise of the gauges' strains: the incident one records two pulses.
+fn stress_noise(setup: &Setup, [incident, transmitted]: [f64; 2]) -> f64 {
+    let force = |bar: &ElasticBar| bar.modulus * bar.area / setup.area;
+    0.5 * (std::f64::consts::SQRT_2 * force(&setup.incident) * incident).hypot(force(&setup.transmitted) * transmitted)
+}
+
+/// Means over equal ranges of strain, and over parts of them where the curve bends.
+fn knots(settled: &[Moment], front: &[f64], back: &[f64], noise: f64) -> Vec<Knot> {
     let (first, last) = settled.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), m| (a.min(m.strain), b.max(m.strain)));
-    // The faces cross again and again while waves run through the specimen.
-    let squares: f64 = front.iter().zip(back).map(|(f, b)| (0.5 * (f - b)).powi(2)).sum();
-    let faces = (squares / settled.len() as f64).sqrt();
+    let rows = Rows { settled, faces: front.iter().zip(back).map(|(f, b)| 0.5 * (f - b)).collect(), noise };
+    let faces = rows.faces_of(0..settled.len());
+    let largest = settled.iter().fold(0.0_f64, |top, m| top.max(m.stress));
     let range = |m: &Moment| (((m.strain - first) / (last - first) * KNOTS as f64) as usize).min(KNOTS - 1);
-    let knot = |k: usize| {
-        let loaded = |i: &usize| settled[*i].strain > 0.0 && settled[*i].stress > 0.0;
-        let members: Vec<usize> = (0..settled.len()).filter(loaded).filter(|&i| range(&settled[i]) == k).collect();
+    let mut members = vec![Vec::new(); KNOTS];
+    for (i, m) in settled.iter().enumerate().filter(|(_, m)| m.strain > 0.0 && m.stress > 0.0) {
+        members[range(m)].push(i);
+    }
+    members.iter().flat_map(|members| rows.knots(members, faces, FINE * largest)).collect()
+}
+
+/// Moments of the curve.
+struct Rows<'a> {
+    settled: &'a [Moment],
+    /// Half the difference of the faces, Pa.
+    faces: Vec<f64>,
+    /// Standard deviation of a stress by the noise of the gauges, Pa.
+    noise: f64,
+}
+
+impl Rows<'_> {
+    /// The knot of some rows, or those of their halves as long as the rows show that the curve bends in between by more than `limit` (Pa).
+    fn knots(&self, members: &[usize], faces: f64, limit: f64) -> Vec<Knot> {
+        let bend = self.bend(members).unwrap_or(0.0);
+        // The faces cross again and again while waves run through the specimen: a bend as small as their difference may be such a wave.
+        if bend > limit.max(faces).max(self.faces_of(members.iter().copied())) && members.len() >= 2 * FEWEST_ROWS {
+            let (before, after) = members.split_at(members.len() / 2);
+            return [before, after].into_iter().flat_map(|half| self.knots(half, faces, limit)).collect();
+        }
         let count = members.len() as f64;
-        let mean = |of: &dyn Fn(usize) -> f64| members.iter().map(|&i| of(i)).sum::<f64>() / count;
-        let stress = mean(&|i| settled[i].stress);
+        let stress = self.mean(members, |m| m.stress);
         // The scatter within a range holds the slope of the curve too, which makes the interval a little wider.
-        let scatter = mean(&|i| (settled[i].stress - stress).powi(2)).sqrt() / count.sqrt();
-        (members.len() > 1).then(|| Knot {
-            strain: mean(&|i| settled[i].strain),
+        let scatter = self.mean(members, |m| (m.stress - stress).powi(2)).sqrt().max(self.noise) / count.sqrt();
+        let knot = Knot {
+            strain: self.mean(members, |m| m.strain),
             stress,
-            half_width: (HALF_95 * scatter).hypot(faces),
-            rate: mean(&|i| settled[i].rate),
-        })
-    };
-    (0..KNOTS).filter_map(knot).collect()
+            half_width: (HALF_95 * scatter).hypot(faces) + bend,
+            rate: self.mean(members, |m| m.rate),
+        };
+        (members.len() > 1).then_some(knot).into_iter().collect()
+    }
+
+    /// By how much the mean of the stresses lies beside the curve, since that bends, Pa: from the mean of the middle third of the rows and
+    /// the line through those of the others. None where they are too few, or within noise.
+    fn bend(&self, members: &[usize]) -> Option<f64> {
+        let third = members.len() / 3;
+        if third == 0 {
+            return None;
+        }
+        let middle = third..members.len() - third;
+        let [a, b, c] = [&members[..third], &members[middle.clone()], &members[middle.end..]]
+            .map(|part| (self.mean(part, |m| m.strain), self.mean(part, |m| m.stress)));
+        let line = a.1 + (c.1 - a.1) * (b.0 - a.0) / (c.0 - a.0);
+        let error = self.noise * (1.5 / third as f64).sqrt();
+        (a.0 < b.0 && b.0 < c.0 && (b.1 - line).abs() > BEYOND_NOISE * error)
+            .then(|| OF_A_PARABOLA * (b.1 - line).abs())
+    }
+
+    /// Root mean square of half the difference of the faces, Pa.
+    fn faces_of(&self, members: impl ExactSizeIterator<Item = usize>) -> f64 {
+        let count = members.len() as f64;
+        (members.map(|i| self.faces[i].powi(2)).sum::<f64>() / count).sqrt()
+    }
+
+    fn mean(&self, members: &[usize], of: impl Fn(&Moment) -> f64) -> f64 {
+        members.iter().map(|&i| of(&self.settled[i])).sum::<f64>() / members.len() as f64
+    }
 }
 
 /// Adds the standard errors of the zero offsets, incident and transmitted, to the intervals of the curve: that of the incident gauge
@@ -389,7 +452,6 @@ fn add_offset_errors(reduced: &mut Reduced, errors: [f64; 2]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_set::ElasticBar;
     use super::*;
 
     #[test]

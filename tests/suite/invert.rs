@@ -432,6 +432,51 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
     assert!(refused(path, &wrong).contains("2 columns"));
 }
 
+#[test]
+fn noise_does_not_lower_the_stresses_of_arrivals() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    // The end gets to 5 % of plastic strain in 25 us.
+    let states: Vec<_> = (1..=2000).map(|k| steel(0.05 * (f64::from(k) / 2000.0).powi(4))).collect();
+    let (c0, limit) = ((205e9_f64 / 7850.0).sqrt(), 300e6 / 205e9);
+    let mut levels = vec![(0.0, c0, 0.0), (limit, c0, limit * c0)];
+    for (_, strain, speed) in states {
+        let before = levels[levels.len() - 1];
+        levels.push((strain, speed, before.2 + 0.5 * (before.1 + speed) * (strain - before.0)));
+    }
+    let (top, _, fastest) = levels[levels.len() - 1];
+    let strain: Vec<f64> = levels.iter().map(|level| level.0).collect();
+    let (mut deviation, mut inside) = (0.0, 0);
+    for seed in 1..=8 {
+        let mut rng = XorShiftRng::seed_from_u64(seed);
+        let mut text = String::from("time_us,a,b,c,d\n");
+        let arrivals = [0.03, 0.06, 0.12, 0.24]
+            .map(|x| levels.iter().map(|level| 25e-6 * level.2 / fastest + x / level.1).collect::<Vec<f64>>());
+        for k in 0..900 {
+            let t = 1e-6 * f64::from(k) - 20e-6;
+            let _ = write!(text, "{}", 1e6 * t);
+            for arrivals in &arrivals {
+                let noise = 0.01 * top * 12.0_f64.sqrt() * (rng.random::<f64>() - 0.5);
+                let _ = write!(text, ",{}", at(arrivals, &strain, t) + noise);
+            }
+            text.push('\n');
+        }
+        std::fs::write(path.join("records.csv"), text).expect("a file");
+        let arguments = "invert arrivals records.csv --at 30mm,60mm,120mm,240mm --density 7850kg/m^3 --modulus 205GPa --length 4m --json";
+        let found = json(path, &arguments.split_whitespace().collect::<Vec<_>>());
+        let points = found["points"].as_array().expect("points");
+        let last = &points[points.len() - 1];
+        let number = |key: &str| last["stress_Pa"][key].as_f64().expect("a number");
+        let strain = last["strain"].as_f64().expect("a strain");
+        let plastic = (0..40).fold(strain, |p, _| strain - steel(p.max(0.0)).0 / 205e9);
+        let truth = steel(plastic).0;
+        deviation += (number("value") / truth - 1.0) / 8.0;
+        inside += u32::from((number("low")..=number("high")).contains(&truth));
+    }
+    // Single records scatter by 3.5 %: three standard errors of the mean of eight.
+    assert!(deviation.abs() < 0.037 && inside >= 7, "{deviation} {inside}");
+}
+
 /// A split-Hopkinson test: gauges 1 m from a specimen of 5 mm length and 10 mm diameter, bars of 16 mm, records from 100 us before the
 /// pulse on. The specimen is elastic (70 GPa) up to 300 MPa + 400 MPa `e_p^0.4` and always in equilibrium.
 struct Kolsky {

@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xorshift::XorShiftRng;
 use serde::Serialize;
 
-use super::bands::deviation;
+use super::bands::{HALF_95, deviation};
 use super::curve::{Integrated, WavePoint, bounds, integrate, points, unknown_start};
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
@@ -394,6 +394,8 @@ fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warni
     let kept: Vec<usize> = (0..arrivals.level.len()).filter(|&i| found.slowness[i].is_finite()).collect();
     let strain: Vec<f64> = kept.iter().map(|&i| arrivals.level[i]).collect();
     let c0 = options.modulus.map(|modulus| (modulus / options.density).sqrt());
+    let misfit = misfit(arrivals, &found, &weights);
+    let widened = misfit.unwrap_or(1.0).max(1.0);
     let smallest = spread.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-3 + f64::MIN_POSITIVE.sqrt();
     let curve = |lines: &Lines| -> Integrated {
         // A replicate that misses a level has nothing to say of it.
@@ -401,14 +403,11 @@ fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warni
         let slowness: Vec<f64> = kept.iter().map(known).collect();
         // Behind a front nothing is faster than the front.
         let monotone = non_decreasing(&slowness, |j| (spread[kept[j]].powi(2) + smallest.powi(2)).recip());
-        let least = c0.map_or(f64::MIN_POSITIVE, f64::recip);
-        let speed = monotone.iter().map(|s| s.max(least).recip()).collect();
+        let speed = with_elastic_part(&monotone, |j| HALF_95 * widened * spread[kept[j]], c0);
         integrate(options.density, &strain, speed, [0.0; 3], c0)
     };
     let replicates: Vec<Integrated> = drawn.iter().map(curve).collect();
     let gauges: Vec<usize> = kept.iter().map(|&i| found.gauges[i]).collect();
-    let misfit = misfit(arrivals, &found, &weights);
-    let widened = misfit.unwrap_or(1.0).max(1.0);
     let best = curve(&found);
     let bounds = bounds(options.density, &strain, &best.speed, [0.0; 3], c0);
     let points = points(&strain, &best, &replicates, &bounds, &gauges, widened);
@@ -424,6 +423,16 @@ fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warni
     let unknown = unknown_start(&points, "give levels at and below the elastic limit");
     let warnings = warnings.chain(unknown).collect();
     Ok(Inverted { points, distances: arrivals.distance.clone(), curvature, misfit, zero_offsets: None, warnings })
+}
+
+/// Speeds of increasing slownesses, up to the elastic one `c0` where that is known. The first levels have it as long as theirs agrees with
+/// it to within `error`: noise delays the arrivals of levels next to the elastic limit, and as no speed is larger, one that is lower by
+/// noise would not be made up for by others.
+fn with_elastic_part(slowness: &[f64], error: impl Fn(usize) -> f64, c0: Option<f64>) -> Vec<f64> {
+    let Some(c0) = c0 else { return slowness.iter().map(|s| s.max(f64::MIN_POSITIVE).recip()).collect() };
+    let elastic = slowness.iter().enumerate().take_while(|(j, s)| **s <= c0.recip() + error(*j)).count();
+    let speed = |(j, s): (usize, &f64)| if j < elastic { c0 } else { s.max(c0.recip()).recip() };
+    slowness.iter().enumerate().map(speed).collect()
 }
 
 /// Refuses arrivals that are earlier farther away.

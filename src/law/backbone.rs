@@ -127,6 +127,11 @@ impl Table {
         self.end
     }
 
+    /// True where the curve comes to its last knot along a line parallel to the elastic one, or along that itself.
+    pub fn ends_elastic(&self) -> bool {
+        self.end.is_finite() && matches!(self.lines[..], [.., last, level] if last.slope == 1.0 && level.slope == 0.0)
+    }
+
     /// y at z >= 0, Pa.
     fn at(&self, z: f64) -> f64 {
         let k = self.lines.partition_point(|l| l.start <= z).max(1) - 1;

@@ -2,8 +2,9 @@
 //!
 //! A table ends at its last knot, at the plastic strain `p_end = eps_end - sigma_end/E`. A point is past it while it flows in
 //! the sense (tension or compression) of that table with an accumulated plastic strain of `p_end` or more. An elastic point is
-//! past nothing, whatever it was before, and the data of the other sense do not count. This holds for every hardening rule and
-//! every solver, and is decided in [`DataEnd::reached`] alone.
+//! past nothing, whatever it was before, and the data of the other sense do not count. Along a last segment that is parallel to the
+//! elastic line all strain is elastic: `p_end` is that of its start, too, and only more than that is past the end. This holds for
+//! every hardening rule and every solver, and is decided in [`DataEnd::reached`] alone.
 //!
 //! An axial engineering strain of -1 leaves no length: no table says anything from there on.
 
@@ -64,6 +65,8 @@ pub struct Flowing {
     pub accumulated: f64,
     /// E times the engineering strain, Pa, signed.
     pub strain: f64,
+    /// A level line is known to hold it: no plastic strain past the end is needed to tell that it is there.
+    pub held: bool,
 }
 
 /// Where the data of a material end. Strains are times E, Pa.
@@ -74,6 +77,8 @@ pub struct DataEnd {
     strain: [f64; 2],
     /// Plastic strain there.
     plastic: [f64; 2],
+    /// The last segment is parallel to the elastic line.
+    ends_elastic: [bool; 2],
     /// Compressive strain that leaves no length; infinite in shear.
     full: f64,
     /// Accumulated plastic strain below which a point that has yielded has reached no limit.
@@ -97,7 +102,8 @@ impl DataEnd {
         let crushed = tables.map(|table| 0.5 * table.plastic_strain(full)).into_iter().filter(|plastic| *plastic > 0.0);
         let least = plastic.into_iter().chain(crushed).fold(f64::INFINITY, f64::min);
         let strain = tables.map(Table::end);
-        Self { modulus, strain, plastic, full, least: least - ROUNDING * strain[0].min(strain[1]).min(modulus) }
+        let least = least - ROUNDING * strain[0].min(strain[1]).min(modulus);
+        Self { modulus, strain, plastic, ends_elastic: tables.map(Table::ends_elastic), full, least }
     }
 
     /// A quick look at a point with this accumulated plastic strain and stress (times E, and Pa): it has reached no limit.
@@ -114,13 +120,14 @@ impl DataEnd {
 
     /// The limit that a point has reached, if it has. Where it must flow for that, `flows` is asked, with the limit.
     pub fn reached(&self, point: &Flowing, flows: impl FnOnce(Limit) -> bool) -> Option<Reached> {
-        let Flowing { sense, accumulated, strain } = *point;
+        let Flowing { sense, accumulated, strain, held } = *point;
         let (end, past) = (self.strain[sense.index()], accumulated - self.plastic[sense.index()]);
+        let rounding = if self.ends_elastic[sense.index()] && !held { ROUNDING } else { -ROUNDING };
         let reached = |limit, equivalent| Reached { limit, strain: strain / self.modulus, equivalent };
         if strain <= -self.full {
             return Some(reached(Limit::FullCompression, -strain / self.modulus));
         }
-        if end.is_infinite() || past < -ROUNDING * end {
+        if end.is_infinite() || past < rounding * end {
             return None;
         }
         let direct = sense.sign() * strain - end >= -REVERSED * end;
@@ -210,7 +217,7 @@ pub(super) fn note_limits<L: CellLaw<N>, const N: usize>(
             continue;
         }
         let sense = law.sense(sigma, state);
-        let point = Flowing { sense, accumulated, strain: sigma + law.plastic_strain(state) };
+        let point = Flowing { sense, accumulated, strain: sigma + law.plastic_strain(state), held: false };
         let flows = |limit| !passed.knows(row.segment, limit, row.step) && law.yields(sigma, state);
         if let Some(reached) = end.reached(&point, flows) {
             let cell = row.first + i - row.cells.start;

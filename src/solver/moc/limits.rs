@@ -34,12 +34,12 @@ impl FrontTracking {
             Flow::Plastic { .. } | Flow::Overlay => (Sense::of(path.sense()), behind.accumulated),
             Flow::PathIndependent => (Sense::of(medium.strain(behind)), behind.plastic.abs()),
         };
-        let point = Flowing { sense, accumulated, strain: behind.stress + behind.plastic };
+        let held = !elastic && is_held(medium, path, behind);
+        let point = Flowing { sense, accumulated, strain: behind.stress + behind.plastic, held };
         let passed = &self.limits.passed;
         let is_news =
             |limit: Limit| passed.iter().all(|known| known.segment != segment || known.reached.limit != limit);
-        let flows =
-            |limit| !elastic && is_news(limit) && (ahead.plastic != behind.plastic || is_held(medium, path, behind));
+        let flows = |limit| !elastic && is_news(limit) && (ahead.plastic != behind.plastic || held);
         let Some(reached) = self.limits.ends[segment].reached(&point, flows).filter(|r| is_news(r.limit)) else {
             return;
         };

@@ -296,7 +296,7 @@ impl Part {
         let flow = beyond(before, nodes.low[i], nodes.high[i]);
         let (stress, history, _) = self.cell(i);
         let sense = flow.map_or_else(|| Sense::of(before), |(sense, _)| [Sense::Tension, Sense::Compression][sense]);
-        let point = Flowing { sense, accumulated: history.accumulated, strain: stress + history.signed };
+        let point = Flowing { sense, accumulated: history.accumulated, strain: stress + history.signed, held: false };
         self.end.reached(&point, |_| flow.is_some())
     }
 

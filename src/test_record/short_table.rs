@@ -6,6 +6,7 @@
 use super::clean::count;
 use super::fit::line;
 use crate::error::InputError;
+use crate::material::SLOPE_ROUND_OFF;
 
 /// Fewest rows, the origin among them, that make a line.
 const FEWEST: usize = 3;
@@ -56,7 +57,7 @@ pub fn straighten(
     let mut straight = vec![(0.0, 0.0), (limit / slope, limit)];
     for &(e, s) in &rows[past..] {
         let last = straight[straight.len() - 1];
-        if s - last.1 > slope * (e - origin - last.0) {
+        if s - last.1 > slope * (1.0 + SLOPE_ROUND_OFF) * (e - origin - last.0) {
             return Err(wrong(format!(
                 "the row at strain {e} and {} MPa lies above the elastic line of {:.3} GPa",
                 s / 1e6,

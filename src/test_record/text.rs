@@ -88,17 +88,12 @@ fn band(scatter: &Scatter) -> String {
 
 /// Rows of strain and MPa, four to a line.
 fn table(rows: &[(f64, f64)]) -> String {
-    let row = |&(strain, stress): &(f64, f64)| format!("[{}, {}]", strain, decimal(stress / 1e6));
+    let row = |&(strain, stress): &(f64, f64)| format!("[{}, {}]", strain, exact(stress / 1e6));
     let line = |four: &[(f64, f64)]| ["  ", &four.iter().map(row).collect::<Vec<_>>().join(", "), ",\n"].concat();
     rows.chunks(4).map(line).collect()
 }
 
-/// A number with at most ten significant digits, so that the rounding of a unit does not show.
-fn decimal(value: f64) -> String {
-    format!("{value:.9e}").parse::<f64>().unwrap_or(value).to_string()
-}
-
-/// A modulus in as many digits as it has, since no slope of the rows may be above it; without the rounding of a unit.
+/// A modulus or a stress in as many digits as it has, without the rounding of a unit: rows on one line stay on it, and none is steeper than the modulus.
 fn exact(value: f64) -> String {
     let rounded = |digits: usize| format!("{value:.digits$e}").parse::<f64>().ok();
     let same = |rounded: &f64| (rounded / value - 1.0).abs() <= 2.0 * f64::EPSILON;

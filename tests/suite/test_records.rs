@@ -635,6 +635,34 @@ fn a_range_with_the_knee_in_it_is_named() {
 /// Rows read off a figure: the second pair is steeper than the first.
 const READ_OFF: &str = "Strain [%];Stress [MPa]\n0;0\n0,1;70\n0,2;141\n0,25;165\n0,5;190\n1;215\n5;305\n30;410\n";
 
+/// Stresses rounded to ten digits lie on no line: one slope was the steepest, the elastic limit 0, and the modulus of the record too small for it.
+#[test]
+fn a_record_on_a_line_is_elastic_whatever_its_digits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let forces = [0, 2, 4, 5].map(f64::from);
+    let rows = [0.0, 0.05, 0.1, 0.5].iter().zip(forces).map(|(extension, force)| format!("{extension},{force}\n"));
+    let record = format!("extension (mm),force (kN)\n{}", rows.collect::<String>());
+    for area in [28.0, 3.0, 7.0, 29.0, 61.0] {
+        let size = format!("{area} mm^2");
+        let modulus = format!("{} GPa", 2000.0 / area);
+        let range = format!("0 MPa..{} MPa", 4200.0 / area);
+        for options in [
+            &[][..],
+            &["--modulus", &modulus],
+            &["--elastic-range", &range],
+            &["--elastic-range", &range, "--toe", "off"],
+        ] {
+            let options = [&["--gauge-length", "50 mm", "--area", &size][..], options].concat();
+            let found = import(folder.path(), "line.csv", &record, &options);
+            let off = [
+                number(&found["elastic_limit_Pa"]) * area / 4e9 - 1.0,
+                number(&found["modulus_Pa"]) * area / 2e12 - 1.0,
+            ];
+            assert!(off.iter().all(|off| off.abs() < 1e-12), "{options:?}: {off:?}");
+        }
+    }
+}
+
 #[test]
 fn the_elastic_part_of_a_short_table_is_fitted_where_its_stresses_are_named() {
     let folder = tempfile::tempdir().expect("a folder");

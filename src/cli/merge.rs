@@ -6,7 +6,7 @@ use super::output;
 use super::result_file::is_result;
 use crate::destination;
 use crate::error::{InputError, Result};
-use crate::study::sweep::merge;
+use crate::study::sweep::{check_tables, merge};
 
 /// Options of `barwave merge`.
 #[derive(Debug, clap::Args)]
@@ -23,6 +23,9 @@ pub(crate) struct Args {
     /// Write the table even if cases are missing.
     #[arg(long)]
     partial: bool,
+    /// Replace files that are not tables of sweeps.
+    #[arg(long)]
+    force: bool,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -34,8 +37,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             .into());
     }
     let output = destination::resolve(&args.output)?;
-    let rows = merge(&args.folders, &output, args.partial)?;
     let table = output.with_extension("csv");
+    check_tables(&table, &output, args.force).map_err(|error| {
+        let help = format!("{}; --force replaces it", error.help);
+        error.key("-o").help(help)
+    })?;
+    let rows = merge(&args.folders, &output, args.partial)?;
     let said = format!("{rows} rows in {} and {}\n", output.display(), table.display());
     output::written(&[&output, &table], &said)
 }

@@ -123,6 +123,47 @@ fn threads_shards_and_merging_change_no_byte() {
     assert!(failed(path, &["merge", "one", "other", "-o", "mixed.h5"], 2).contains("contain different sweeps"));
 }
 
+/// Files of the user with the names of the tables were replaced.
+#[test]
+fn only_tables_of_sweeps_are_replaced() {
+    let two = "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n\"left.value\" = [-5, -10]\n";
+    let folder = scenes(two);
+    let path = folder.path();
+    let write = |name: &str| std::fs::write(path.join(name), "mine\n").expect("a file");
+    for name in ["table.csv", "sweep.h5", "sweep.json"] {
+        write(name);
+        let message = failed(path, &["sweep", "sweep.toml", "-o", "."], 2);
+        assert!(
+            message.contains(name)
+                && message.contains("already exists and is not")
+                && message.contains("another folder"),
+            "{message}"
+        );
+        assert_eq!(text(path, name), "mine\n");
+        assert!(!path.join("rows.jsonl").exists(), "{name}");
+        std::fs::remove_file(path.join(name)).expect("it is there");
+    }
+    done(path, &["sweep", "sweep.toml", "-o", "out"]);
+    for name in ["all.csv", "all.h5"] {
+        write(name);
+        let message = failed(path, &["merge", "out", "-o", "all.h5"], 2);
+        assert!(
+            message.contains(&format!("{name} already exists and is not")) && message.contains("--force"),
+            "{message}"
+        );
+        assert_eq!(text(path, name), "mine\n");
+        done(path, &["merge", "out", "-o", "all.h5", "--force"]);
+    }
+    // A table is replaced by the next one.
+    std::fs::write(path.join("all.csv"), "").expect("a file");
+    done(path, &["merge", "out", "-o", "all.h5"]);
+    done(path, &["merge", "out", "-o", "all.h5"]);
+    assert_eq!(text(path, "all.csv"), text(path, "out/table.csv"));
+    // The result of a run is none.
+    done(path, &["run", "scene.toml", "-o", "run.h5", "--quiet"]);
+    assert!(failed(path, &["merge", "out", "-o", "run.h5"], 2).contains("is not the table of a sweep"));
+}
+
 #[test]
 fn a_killed_sweep_is_resumed_and_runs_no_case_twice() {
     let slow = "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n\"left.value\" = { from = -10, to = -60, count = 60 }\n\

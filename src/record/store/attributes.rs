@@ -42,6 +42,9 @@ pub(super) fn text(value: &str) -> Hdf<VarLenUnicode> {
     until_zero.parse().map_err(|e: hdf5::types::StringError| e.to_string().into())
 }
 
+/// Root attribute `format` of result files.
+pub(super) const FORMAT: &str = "barwave";
+
 /// What every file of the program starts with: its kind, by whom it was written, and its title.
 pub(super) fn identify(file: &Location, format: &str, title: &str) -> Hdf<()> {
     put_text(file, "format", format)?;

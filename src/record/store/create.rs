@@ -4,7 +4,7 @@ use std::time::SystemTime;
 
 use hdf5::{Extent, File, Group};
 
-use super::attributes::{describe, identify, put, put_quantity, put_text, put_texts};
+use super::attributes::{FORMAT, describe, identify, put, put_quantity, put_text, put_texts};
 use super::filters::shuffled;
 use super::scales::Axis;
 use super::tables::{self, Column};
@@ -70,7 +70,7 @@ pub(super) fn build(file: &File, header: &Header, layout: &Layout, materials: &[
 }
 
 pub(super) fn build_root(file: &File, header: &Header, area_given: bool) -> Hdf<()> {
-    identify(file, "barwave", &header.title)?;
+    identify(file, FORMAT, &header.title)?;
     put_text(file, "created", &timestamp(SystemTime::now()))?;
     put_text(file, "run_id", &run_id(SystemTime::now()))?;
     put_text(file, "scene", &header.scene)?;

@@ -3,8 +3,9 @@
 use std::io::Read as _;
 use std::path::Path;
 
-use super::attributes::get_text;
+use super::attributes::{FORMAT, get_text};
 use super::shared::{NotOpened, SharedFile};
+use super::sweep::SWEEP_FORMAT;
 use crate::destination;
 use crate::error::InputError;
 
@@ -13,11 +14,11 @@ use crate::error::InputError;
 enum Existing {
     /// Nothing, or an empty file.
     Nothing,
-    /// A result file, finished or not.
-    Result,
+    /// A file of the format that is to be written, finished or not.
+    Own,
     /// A file that another process writes.
     InUse,
-    /// A file that barwave did not write, or can no longer read.
+    /// Any other file, or one that can no longer be read.
     Other,
 }
 
@@ -26,14 +27,26 @@ enum Existing {
 /// # Errors
 /// A file that another run writes, one that is not a result, or what [`destination::resolve`] refuses.
 pub fn check_output(path: &Path, force: bool) -> Result<(), InputError> {
+    check(path, FORMAT, "a result file", force)
+}
+
+/// The same of a path at which the table of a sweep is to be written.
+///
+/// # Errors
+/// As for [`check_output`].
+pub fn check_table(path: &Path, force: bool) -> Result<(), InputError> {
+    check(path, SWEEP_FORMAT, "the table of a sweep", force)
+}
+
+fn check(path: &Path, format: &str, what: &str, force: bool) -> Result<(), InputError> {
     let refuse = |what: &str, help: &str| {
         Err(InputError::new(format!("the output {} {what}", path.display()))
             .help(format!("choose another name, or {help}")))
     };
-    match existing(&destination::resolve(path)?) {
+    match existing(&destination::resolve(path)?, format) {
         Existing::InUse => refuse("is being written by another run", "wait until that run has ended"),
-        Existing::Other if !force => refuse("already exists and is not a result file", "move that file away"),
-        Existing::Other | Existing::Nothing | Existing::Result => Ok(()),
+        Existing::Other if !force => refuse(&format!("already exists and is not {what}"), "move that file away"),
+        Existing::Other | Existing::Nothing | Existing::Own => Ok(()),
     }
 }
 
@@ -57,7 +70,7 @@ pub fn is_hdf5(path: &Path) -> bool {
 }
 
 /// Looks at a regular file.
-fn existing(path: &Path) -> Existing {
+fn existing(path: &Path, format: &str) -> Existing {
     if !path.exists() {
         return Existing::Nothing;
     }
@@ -65,7 +78,7 @@ fn existing(path: &Path) -> Existing {
     match start(path) {
         Ok(start) if start.is_empty() => Existing::Nothing,
         Ok(start) if start == SIGNATURE => match SharedFile::open(path) {
-            Ok(file) if get_text(&file, "format").is_ok_and(|format| format == "barwave") => Existing::Result,
+            Ok(file) if get_text(&file, "format").is_ok_and(|own| own == format) => Existing::Own,
             Err(NotOpened::Locked) => Existing::InUse,
             _ => Existing::Other,
         },

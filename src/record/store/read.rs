@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use hdf5::{File, Group};
 use ndarray::{Array2, s};
 
-use super::attributes::{get, get_text, get_texts};
+use super::attributes::{FORMAT, get, get_text, get_texts};
 use super::create::END_TORQUE;
 use super::shared::{NotOpened, SharedFile};
 use super::sweep::SWEEP_FORMAT;
@@ -321,7 +321,7 @@ fn open(path: &Path) -> Result<SharedFile> {
     let file = SharedFile::open(path).map_err(|e| cannot_open(path, &e))?;
     log::info!("reading {}", path.display());
     match get_text(&file, "format").ok().as_deref() {
-        Some("barwave") => Ok(file),
+        Some(FORMAT) => Ok(file),
         Some(SWEEP_FORMAT) => {
             let help = "draw it with `barwave sweep SWEEP.toml -o DIR --resume --plot FILE.svg`, DIR being its folder; the \
                         same table stands beside it, as .csv";

@@ -62,6 +62,11 @@ impl Journal {
             return Err(InputError::new(message).help(help).into());
         }
         let path = folder.join(PLAN);
+        if path.exists() && Self::plan(folder).is_err() {
+            let message = format!("{} already exists and is not the plan of a sweep", path.display());
+            let help = "choose another folder with -o, or move that file away";
+            return Err(InputError::new(message).help(help).into());
+        }
         let begun = Begun { plan: plan.clone(), shard: [shard.index, shard.count] };
         let json = serde_json::to_string_pretty(&begun).map_err(|e| Error::file(&path, e))?;
         write_whole(&path, (json + "\n").as_bytes())?;

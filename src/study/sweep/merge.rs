@@ -13,7 +13,7 @@ use crate::text_file;
 const NAMED: usize = 10;
 
 /// Joins the rows of folders of one sweep, or of the shards inside them, into `output` and the CSV table beside it. Returns the number of
-/// rows.
+/// rows. It replaces what stands there, see [`super::check_tables`].
 ///
 /// # Errors
 /// An [`InputError`] where folders hold no sweep or different ones; [`Error::Checks`] where cases are missing, unless `partial`.

@@ -19,3 +19,4 @@ pub use metrics::{Row, Status};
 pub use plan::{Combine, Plan};
 pub use run::{Finished, case_file, rows, run};
 pub use shard::Shard;
+pub use table::check_tables;

@@ -13,7 +13,7 @@ use super::journal::Journal;
 use super::metrics::{Row, Status};
 use super::plan::Plan;
 use super::shard::Shard;
-use super::table::write_tables;
+use super::table::{check_tables, write_tables};
 use crate::error::{Error, InputError, Result};
 use crate::run;
 use crate::scene::Problem;
@@ -45,7 +45,8 @@ struct Under<'a> {
 /// pool; the table does not depend on how many there are.
 ///
 /// # Errors
-/// [`Error::Interrupted`] once `stop` is set (the tables then hold the rows so far), input errors, and files that cannot be written.
+/// [`Error::Interrupted`] once `stop` is set (the tables then hold the rows so far), input errors, files that no sweep has written where
+/// the tables belong, and files that cannot be written.
 pub fn run(
     sweep: &Sweep,
     folder: &Path,
@@ -55,6 +56,11 @@ pub fn run(
     stop: &AtomicBool,
 ) -> Result<Finished> {
     let plan = &sweep.plan;
+    let tables = ["table.csv", "sweep.h5"].map(|name| folder.join(name));
+    check_tables(&tables[0], &tables[1], false).map_err(|error| {
+        let help = error.help.replace("another name", "another folder with -o");
+        error.help(help)
+    })?;
     let (journal, before) = if resume && Journal::has_rows(folder) {
         Journal::resume(folder, plan, shard)?
     } else {
@@ -77,7 +83,7 @@ pub fn run(
             return Err(error);
         }
         counted => {
-            write_tables(&folder.join("table.csv"), &folder.join("sweep.h5"), plan, &rows)?;
+            write_tables(&tables[0], &tables[1], plan, &rows)?;
             failed.map_or(counted, Err)?
         }
     };

@@ -1,16 +1,18 @@
 //! The table of a sweep, as CSV and as HDF5.
 
 use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
 use serde_json::Value;
 
 use super::metrics::Row;
 use super::plan::{Combine, Plan};
-use crate::destination::write_whole;
-use crate::error::{Error, Result};
+use crate::destination::{self, write_whole};
+use crate::error::{Error, InputError, Result};
 use crate::record::dimension_of;
-use crate::record::store::{SweepColumn, SweepFile, Values, write_sweep};
+use crate::record::store::{SweepColumn, SweepFile, Values, check_table, write_sweep};
 
 /// Columns of every table beside axes and metrics.
 const CASE: &str = "case";
@@ -45,6 +47,38 @@ fn values<'a>(row: &'a Row, names: &[String]) -> Vec<&'a Value> {
         return row.metrics.values().collect();
     }
     names.iter().map(|name| row.metrics.get(name).unwrap_or(&Value::Null)).collect()
+}
+
+/// Refuses to replace files that are no tables of sweeps; with `force` any others may be replaced.
+///
+/// # Errors
+/// One that names the file, or says that another run writes it.
+pub fn check_tables(csv: &Path, hdf5: &Path, force: bool) -> std::result::Result<(), InputError> {
+    check_table(hdf5, force)?;
+    let target = destination::resolve(csv)?;
+    if force || is_table(&target) {
+        return Ok(());
+    }
+    let error = InputError::new(format!("the output {} already exists and is not the table of a sweep", csv.display()));
+    Err(error.help("choose another name, or move that file away"))
+}
+
+/// Longest first line that a table may have, bytes.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// Whether there is no such file, or an empty one, or one that begins as the tables of sweeps do.
+fn is_table(path: &Path) -> bool {
+    let Ok(file) = File::open(path) else { return !path.exists() };
+    let mut line = Vec::new();
+    if BufReader::new(file.take(LONGEST_LINE)).read_until(b'\n', &mut line).is_err() {
+        return false;
+    }
+    let mut table = csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_slice());
+    let Some(header) = table.records().next() else { return true };
+    header.is_ok_and(|header| {
+        let names: Vec<&str> = header.iter().collect();
+        names.first() == Some(&CASE) && names.windows(2).any(|pair| pair == [STATUS, REASON])
+    })
 }
 
 /// Writes the rows (by case) as CSV and as HDF5.

@@ -73,7 +73,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         bar.inc(1);
         if args.json {
             // A reader that has gone away does not end the sweep: the rows are in the folder.
-            let _ = output::json_line(row);
+            let _ = output::json_line(&row.with_axes(&sweep.plan));
         }
     };
     let finished = sweep::run(&sweep, &folder, shard, args.resume, &on_row, &interrupt::flag());

@@ -2,6 +2,7 @@
 
 mod allowed;
 mod deprecated;
+pub mod dimensions;
 mod explain;
 mod parsed;
 
@@ -77,6 +78,7 @@ impl Document {
             self.error(value.span(), key, reason).allowed(range()).help(number_help(name, dimension))
         })?;
         if allowed.holds(si) {
+            dimensions::note(self, &value.span(), dimension);
             return self.of_possible_magnitude(value, si, key, dimension, allowed);
         }
         let help = match allowed {

@@ -24,10 +24,11 @@ use toml_edit::DocumentMut;
 
 use crate::bar::{Bar, EndCondition};
 use crate::error::{InputError, Result};
-use crate::input::Document;
+use crate::input::{Document, dimensions};
 use crate::material::library;
 use crate::record::{Compression, Field, Precision, SolvedBy};
 use crate::text_file::{self, NamedFiles};
+use crate::units::Dimension;
 
 pub use auto::Auto;
 pub use builder::SceneBuilder;
@@ -129,6 +130,16 @@ impl Template {
         let edited = typed.edit(&self.document, self.editable.clone())?;
         let source = Source { document: &self.document, edited: &edited, base: &self.base, typed: &typed };
         Problem::of_source(source, Some(&self.path), self.impact)
+    }
+
+    /// The dimensions of the numbers at these dotted keys, as far as the scene with overrides reads them.
+    pub(crate) fn dimensions(&self, overrides: &[String], keys: &[&str]) -> Vec<Option<Dimension>> {
+        let none = || vec![None; keys.len()];
+        let Ok(typed) = Overrides::new(overrides) else { return none() };
+        let Ok(edited) = typed.edit(&self.document, self.editable.clone()) else { return none() };
+        let source = Source { document: &self.document, edited: &edited, base: &self.base, typed: &typed };
+        // What is wrong with the scene is found again by who runs it.
+        dimensions::of_keys(&edited, keys, || Problem::of_source(source, Some(&self.path), self.impact).is_ok())
     }
 }
 

@@ -164,6 +164,32 @@ fn only_tables_of_sweeps_are_replaced() {
     assert!(failed(path, &["merge", "out", "-o", "run.h5"], 2).contains("is not the table of a sweep"));
 }
 
+/// Plain numbers are in SI: the units of an axis are those with which the scene reads its key, whatever the kind of the end or the mode.
+#[test]
+fn axes_of_plain_numbers_have_units_and_rows_their_values() {
+    let axes = "\"left.value\" = { from = -5, to = \"-18 km/h\", count = 1 }\n\"bar.length\" = [0.5, 1]\n\"solve.until\" = [1e-4]\n\
+                \"right.kind\" = [\"free\", \"fixed\"]\n\"solve.front-tolerance\" = { from = 0.01, to = 0.02, count = 1 }\n";
+    let folder = scenes(&format!("[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n{axes}"));
+    let path = folder.path();
+    let rows = done(path, &["sweep", "sweep.toml", "-o", "out", "--json"]);
+    let table = text(path, "out/table.csv");
+    assert!(table.contains("\n# left.value in m/s; bar.length in m; solve.until in s\n"), "{table}");
+    let mut rows: Vec<Value> = rows.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    rows.sort_by_key(|row| row["case"].as_u64());
+    let axes = |length: f64, kind: &str| serde_json::json!({ "left.value": -5.0, "bar.length": length, "solve.until": 1e-4, "right.kind": kind, "solve.front-tolerance": 0.01 });
+    let expected = [axes(0.5, "free"), axes(0.5, "fixed"), axes(1.0, "free"), axes(1.0, "fixed")];
+    assert_eq!(rows.iter().map(|row| row["axes"].clone()).collect::<Vec<_>>(), expected);
+    let scene = text(path, "scene.toml").replace("\"velocity\"", "\"stress\"");
+    std::fs::write(path.join("scene.toml"), scene).expect("a file");
+    let axis = "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n\"left.value\" = { from = 1e6, to = 2e6, count = 2 }\n";
+    std::fs::write(path.join("stress.toml"), axis).expect("a file");
+    done(path, &["sweep", "stress.toml", "-o", "stress"]);
+    assert!(text(path, "stress/table.csv").contains("\n# left.value in Pa\n"));
+    let file = hdf5::File::open(path.join("stress/sweep.h5")).expect("a table");
+    let units = file.dataset("left.value").and_then(|axis| axis.attr("units")).expect("units");
+    assert_eq!(units.read_scalar::<hdf5::types::VarLenUnicode>().expect("text").as_str(), "Pa");
+}
+
 #[test]
 fn a_killed_sweep_is_resumed_and_runs_no_case_twice() {
     let slow = "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n\"left.value\" = { from = -10, to = -60, count = 60 }\n\

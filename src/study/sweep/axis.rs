@@ -43,7 +43,7 @@ pub struct Level {
 pub struct Axis {
     /// Dotted, as for `--set`: `left.value`.
     pub key: String,
-    /// SI unit of the values; empty for plain numbers and texts.
+    /// SI unit of the values; empty for numbers without dimension and texts.
     pub unit: String,
     /// In the order of the file.
     pub levels: Vec<Level>,
@@ -104,6 +104,18 @@ struct InUnit {
 }
 
 type Read<T> = Result<T, String>;
+
+impl Level {
+    /// For people and tables: a text without the quotes of TOML.
+    pub(super) fn plain(&self) -> &str {
+        self.typed.trim_matches(['"', '\''])
+    }
+
+    /// The number in SI, or the text.
+    pub(super) fn value(&self) -> serde_json::Value {
+        self.si.map_or_else(|| self.plain().into(), Into::into)
+    }
+}
 
 impl Axis {
     /// An axis from its value in the sweep file.
@@ -324,15 +336,16 @@ fn rounded(value: f64) -> f64 {
     format!("{value:.DIGITS$e}").parse().unwrap_or(value)
 }
 
-/// Quantities of one dimension as numbers in the unit that they share, else in SI.
+/// Quantities of one dimension as numbers in the unit that they share, else in SI. Plain numbers are in SI, whatever the dimension.
 fn in_one_unit(quantities: &[&Quantity]) -> Read<InUnit> {
     let si = quantities.iter().map(|q| q.in_si()).collect::<Read<Vec<_>>>()?;
-    let dimension = si[0].1;
-    if let Some((quantity, _)) = quantities.iter().zip(&si).find(|(_, si)| !si.1.is_like(dimension)) {
-        return Err(format!("`{}` and `{quantity}` are of different dimensions", quantities[0]));
-    }
     let parts: Vec<(f64, &str)> = quantities.iter().map(|q| q.number_and_unit()).collect::<Read<_>>()?;
-    let unit = parts[0].1;
+    let first = parts.iter().position(|part| !part.1.is_empty()).unwrap_or(0);
+    let (unit, dimension) = (parts[0].1, si[first].1);
+    let other = |k: &usize| !parts[*k].1.is_empty() && !si[*k].1.is_like(dimension);
+    if let Some(k) = (0..parts.len()).find(other) {
+        return Err(format!("`{}` and `{}` are of different dimensions", quantities[first], quantities[k]));
+    }
     if parts.iter().all(|part| part.1 == unit) {
         return Ok(InUnit { numbers: parts.iter().map(|part| part.0).collect(), unit: unit.to_owned(), dimension });
     }
@@ -400,6 +413,15 @@ mod tests {
         assert_eq!((names.levels[0].typed.as_str(), names.levels[0].si), ("\"copper-annealed\"", None));
         let lengths = axis("[\"10 cm\", 0.2]").expect("an axis");
         assert_eq!((lengths.unit.as_str(), lengths.levels[1].si), ("m", Some(0.2)));
+        let speeds = axis("{ from = -5, to = \"-18 km/h\", count = 2 }").expect("a plain number is in SI");
+        assert_eq!(
+            (
+                speeds.unit.as_str(),
+                speeds.levels[1].si,
+                typed("{ from = \"1 km/h\", to = 4, count = 1 }")[0].is_empty()
+            ),
+            ("m/s", Some(-5.0), false)
+        );
     }
 
     #[test]

@@ -15,6 +15,7 @@ use crate::input::{Document, GivenKey};
 use crate::record::store::checksum;
 use crate::scene::{Problem, Template};
 use crate::text_file;
+use crate::units::Dimension;
 
 /// Most cases of a sweep.
 const MOST_CASES: usize = 10 * MOST_VALUES;
@@ -108,6 +109,7 @@ impl Sweep {
         let template = Template::new(document, scene.to_owned())?;
         let title = template.title();
         let mut plan = Plan { program: program(), title, scene: scene_text, files: 0, axes, combine, metrics, fields };
+        state_units(&mut plan, &template);
         plan.files = checksum_of_files(&plan, &template);
         Ok(Self { name, plan, template })
     }
@@ -118,6 +120,20 @@ impl Sweep {
     /// Input errors: what is wrong with the scene with these values.
     pub fn problem(&self, case: usize) -> Result<Problem> {
         self.template.problem(&self.plan.overrides(case))
+    }
+}
+
+/// Units of axes whose values are all plain numbers: those with which the scene reads them in its first case.
+fn state_units(plan: &mut Plan, template: &Template) {
+    let is_plain = |axis: &Axis| axis.unit.is_empty() && axis.levels.iter().all(|level| level.si.is_some());
+    let plain: Vec<usize> = (0..plan.axes.len()).filter(|&k| is_plain(&plan.axes[k])).collect();
+    if plain.is_empty() || plan.axes.iter().any(|axis| axis.levels.is_empty()) {
+        return;
+    }
+    let keys: Vec<&str> = plain.iter().map(|&k| plan.axes[k].key.as_str()).collect();
+    let found = template.dimensions(&plan.overrides(0), &keys);
+    for (k, dimension) in plain.into_iter().zip(found) {
+        plan.axes[k].unit = dimension.map_or_else(String::new, Dimension::spaced_symbol);
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::plan::Plan;
 use crate::error::{Error, Result};
 
 /// Keys of the summary that say nothing of the physics of a case: they differ from machine to machine, or are the same in every case.
@@ -70,6 +71,31 @@ impl Row {
             }
             Err(error @ (Error::Run(_) | Error::Checks(_))) => failed(Status::Stopped, error.to_string()),
             Err(error @ (Error::File { .. } | Error::Interrupted)) => Err(error),
+        }
+    }
+}
+
+/// A row with the values of the axes.
+#[derive(Debug, Serialize)]
+pub struct FullRow<'a> {
+    case: usize,
+    /// By the keys of the axes: numbers in SI, or texts.
+    axes: serde_json::Map<String, Value>,
+    status: Status,
+    reason: &'a str,
+    metrics: &'a BTreeMap<String, Value>,
+}
+
+impl Row {
+    /// With the values of the axes of its case.
+    pub fn with_axes(&self, plan: &Plan) -> FullRow<'_> {
+        let axes = plan.axes.iter().zip(plan.levels(self.case));
+        FullRow {
+            case: self.case,
+            axes: axes.map(|(axis, level)| (axis.key.clone(), level.value())).collect(),
+            status: self.status,
+            reason: &self.reason,
+            metrics: &self.metrics,
         }
     }
 }

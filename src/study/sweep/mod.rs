@@ -15,7 +15,7 @@ pub use axis::{Axis, Level};
 pub(crate) use file::RawFile;
 pub use file::Sweep;
 pub use merge::merge;
-pub use metrics::{Row, Status};
+pub use metrics::{FullRow, Row, Status};
 pub use plan::{Combine, Plan};
 pub use run::{Finished, case_file, rows, run};
 pub use shard::Shard;

@@ -113,18 +113,14 @@ fn write_csv(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<'
     }
     for (row, metrics) in rows.iter().zip(metrics) {
         let levels = plan.levels(row.case);
-        let values = levels.iter().map(|level| level.si.map_or_else(|| plain(&level.typed), |si| format!("{si:?}")));
+        let values =
+            levels.iter().map(|level| level.si.map_or_else(|| level.plain().to_owned(), |si| format!("{si:?}")));
         let metrics = metrics.iter().copied().map(shown);
         let cells = std::iter::once(row.case.to_string()).chain(values);
         let cells = cells.chain([row.status.name().to_owned(), row.reason.clone()]).chain(metrics);
         csv.write_record(cells).map_err(failed)?;
     }
     write_whole(path, &csv.into_inner().map_err(|e| Error::file(path, e.into_error()))?)
-}
-
-/// A text without the quotes of TOML.
-fn plain(typed: &str) -> String {
-    typed.trim_matches(['"', '\'']).to_owned()
 }
 
 fn shown(value: &Value) -> String {
@@ -149,7 +145,7 @@ fn write_hdf5(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<
             rows.iter().map(|row| plan.levels(row.case)[k]).collect::<Vec<_>>()
         };
         let numbers: Option<Vec<f64>> = levels.iter().map(|level| level.si).collect();
-        let texts = || levels.iter().map(|level| plain(&level.typed)).collect();
+        let texts = || levels.iter().map(|level| level.plain().to_owned()).collect();
         column(&axis.key, &axis.unit, numbers.map_or_else(|| Values::Texts(texts()), Values::Numbers))
     };
     let axes: Vec<SweepColumn> = (0..plan.axes.len()).map(axis).collect();

@@ -94,7 +94,7 @@ pub enum Work {
         bytes_per_elastic_cell: usize,
         /// Solver memory of a cell after its block has yielded.
         bytes_per_yielded_cell: usize,
-        /// Solver memory if the whole bar yields, bytes.
+        /// Largest solver memory, bytes: the whole bar elastic or yielded, whichever takes more.
         memory_bytes: usize,
         /// Largest relative change of a segment's transit time, which is rounded so that waves cross a cell in a time step.
         largest_transit_shift: f64,
@@ -223,7 +223,7 @@ fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) ->
     Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
 }
 
-/// Solver memory of a scene on a grid if the whole bar yields, bytes; 0 by front tracking.
+/// Largest solver memory of a scene on a grid, bytes; 0 by front tracking.
 pub fn memory(scene: &Scene) -> usize {
     match work(scene).0 {
         Work::Grid { memory_bytes, .. } => memory_bytes,
@@ -265,7 +265,7 @@ fn grid_work(scene: &Scene, grid: &Grid, cell: &Cell) -> (Work, usize) {
         steps,
         bytes_per_elastic_cell: elastic,
         bytes_per_yielded_cell: yielded,
-        memory_bytes: cells * yielded,
+        memory_bytes: cells * elastic.max(yielded),
         largest_transit_shift: grid.transit_shift(),
         net: cell.net,
     };

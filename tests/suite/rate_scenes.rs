@@ -218,6 +218,17 @@ fn a_rate_scene_runs_on_the_grid_where_it_asks_for_that() {
     assert_eq!(bytes(&format!("hardening = \"kinematic\"\n{MALVERN}")), Some(84));
 }
 
+/// A cell that is carried as two waves has two numbers more than it needs once it has yielded without hardening.
+#[test]
+fn the_largest_memory_is_that_of_elastic_or_of_yielded_cells() {
+    for effects in ["", "hardening = \"isotropic\""] {
+        let work = serde_json::to_value(plan(&scene(effects, "method = \"fd\"", ""))).expect("json");
+        let number = |key: &str| work[key].as_u64().expect("a number");
+        let most = number("bytes_per_elastic_cell").max(number("bytes_per_yielded_cell"));
+        assert_eq!(number("memory_bytes"), number("cells") * most, "{effects}");
+    }
+}
+
 /// A segment whose material states no constants follows the quasi-static curve, which the run says.
 #[test]
 fn segments_without_rate_constants_are_noted() {

@@ -156,11 +156,16 @@ impl Scene {
 
     /// Runs on a grid end with a whole time step.
     fn few_steps(&self) -> Option<String> {
-        let steps = self.solve.until * self.solve.method.cells()? as f64 / self.bar.transit_time();
+        let per_cell = match self.solve.method {
+            Method::Leapfrog { cfl, .. } | Method::Muscl { cfl, .. } => 1.0 / cfl,
+            Method::CharacteristicNet { .. } | Method::FrontTracking { .. } => 1.0,
+        };
+        let steps = self.solve.until * self.solve.method.cells()? as f64 * per_cell / self.bar.transit_time();
         (steps < FEW_STEPS).then(|| {
             let steps = units::format(steps, Dimension::None, System::Si);
+            let plural = if steps == "1" { "" } else { "s" };
             format!(
-                "the end time is {steps} time steps after the start: a run on a grid ends with a whole step, and its forces and impulses are \
+                "the end time is {steps} time step{plural} after the start: a run on a grid ends with a whole step, and its forces and impulses are \
                  means over steps; use more cells, or method = \"moc\""
             )
         })

@@ -45,6 +45,11 @@ fn runs_of_a_few_steps_say_that_they_end_with_a_whole_one() {
     };
     assert!(notes(1e-12, "cells = 1000").contains("time steps after the start"));
     assert_eq!([notes(1e-5, "cells = 1000"), notes(1e-12, "method = \"moc\"")], ["", ""]);
+    // Steps are those of the Courant number: 1000 of them to a cell.
+    let few = |text: String| text.contains("after the start");
+    assert!(few(notes(1e-4, "cells = 10")) && !few(notes(1e-4, "cells = 10\ncfl = 1e-3\nscheme = \"muscl\"")));
+    let step = 1.0 / Scene::parse("bar.toml", "[bar]\nlength = 1\nmaterial = \"mild-steel\"\n[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n[solve]\nuntil = 1", Path::new("."), &[]).expect("a scene").bar.segments[0].material.c0();
+    assert!(notes(step / 10.0, "cells = 10").contains("is 1 time step after the start"));
 }
 
 fn peak(end: &Trace) -> f64 {

@@ -64,7 +64,11 @@ pub fn cannot_write(path: &Path, error: &std::io::Error) -> Error {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "a file stands where a folder is needed",
         ErrorKind::PermissionDenied => "permission denied",
         ErrorKind::ReadOnlyFilesystem => "the file system is read-only",
-        ErrorKind::StorageFull => "no space is left on the disk",
+        ErrorKind::StorageFull => {
+            let (reason, help) =
+                ("cannot write it: no space is left on the disk", "make room there, or choose another disk");
+            return Error::File { path: path.to_owned(), reason: reason.to_owned(), help: help.to_owned() };
+        }
         _ => return Error::file(path, format!("cannot write it: {error}")),
     };
     Error::file(path, format!("cannot write it: {reason}"))

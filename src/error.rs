@@ -29,6 +29,8 @@ pub enum Error {
         path: PathBuf,
         /// What the system or the HDF5 library said.
         reason: String,
+        /// What to do; empty where nothing is known.
+        help: String,
     },
     /// Results that do not satisfy what they must; exit code 1.
     #[error("{0}")]
@@ -55,7 +57,7 @@ impl Error {
 
     /// A file error from anything that can say what happened.
     pub fn file(path: &Path, reason: impl std::fmt::Display) -> Self {
-        Self::File { path: path.to_owned(), reason: reason.to_string() }
+        Self::File { path: path.to_owned(), reason: reason.to_string(), help: String::new() }
     }
 }
 

@@ -48,7 +48,7 @@ pub(super) fn run(paths: &[PathBuf], outputs: &Outputs<'_>) -> Result<()> {
         return output::json_list(&differences);
     }
     let text: String = differences.iter().map(|difference| text(&paths[0], difference)).collect();
-    let written = outputs.file.map_or_else(String::new, |path| std::format!("wrote {}\n", path.display()));
+    let written = outputs.file.and_then(output::wrote).map_or_else(String::new, |line| line + "\n");
     output::text_beside([outputs.file], &(text + &written))
 }
 

@@ -324,7 +324,7 @@ fn notes(cost: &Cost, written: Option<&Path>) -> String {
     if cost.interrupted {
         lines.push("interrupted: the results so far".into());
     }
-    lines.extend(written.map(|path| format!("wrote {}", path.display())));
+    lines.extend(written.and_then(output::wrote));
     lines.join("\n") + "\n"
 }
 

@@ -101,9 +101,12 @@ impl From<&Error> for Details {
                 help: some(&run.help),
                 ..kind("run")
             },
-            Error::File { path, reason } => {
-                Self { message: reason.clone(), file: Some(path.display().to_string()), ..kind("file") }
-            }
+            Error::File { path, reason, help } => Self {
+                message: reason.clone(),
+                file: Some(path.display().to_string()),
+                help: some(help),
+                ..kind("file")
+            },
             Error::Checks(_) => kind("checks"),
             Error::Interrupted => kind("interrupted"),
         }

@@ -138,6 +138,11 @@ pub(crate) fn text_beside<'a>(files: impl IntoIterator<Item = Option<&'a Path>>,
     text(said)
 }
 
+/// Says that a file was written; nothing of standard output.
+pub(crate) fn wrote(path: &Path) -> Option<String> {
+    (!destination::is_stdout(path)).then(|| format!("wrote {}", path.display()))
+}
+
 /// Reports the files that were written: as this text, or as a JSON list of paths.
 pub(crate) fn written(paths: &[&Path], said: &str) -> Result<()> {
     if !settings::json() {

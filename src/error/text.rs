@@ -31,7 +31,8 @@ pub(crate) fn lines(error: &Error, paint: Paint) -> String {
     match error {
         Error::Input(input) => lines_of_input(input, paint),
         Error::Run(run) => format!("{run}\n{}", help_line(&run.help, paint)),
-        Error::File { .. } | Error::Checks(_) | Error::Interrupted => format!("{error}\n"),
+        Error::File { help, .. } => format!("{error}\n{}", help_line(help, paint)),
+        Error::Checks(_) | Error::Interrupted => format!("{error}\n"),
     }
 }
 

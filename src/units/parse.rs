@@ -281,13 +281,23 @@ fn unknown(shown: &str, plain: &str) -> String {
     }
 }
 
+/// Such as "m^2 s^-1", for messages.
+fn in_base_units(exponents: Exponents) -> String {
+    let units = ["m", "kg", "s", "K"].into_iter().zip(exponents).filter(|(_, power)| *power != 0);
+    units
+        .map(|(unit, power)| if power == 1 { unit.to_owned() } else { format!("{unit}^{power}") })
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
 fn wrong_dimension(text: &str, given: Exponents, expected: Dimension) -> String {
-    let what = Dimension::ALL.iter().find(|d| d.exponents() == given).map_or("something else", |d| d.describe());
+    let what = Dimension::ALL.iter().find(|d| d.exponents() == given).map(|d| format!("is {}", d.describe()));
+    let what = what.unwrap_or_else(|| format!("is in {}", in_base_units(given)));
     let (want, example) = (expected.describe(), expected.example());
     let meant = match expected {
         _ if text.contains("lb") => "; `lb` is mass, `lbf` is force",
         Dimension::Time if text.ends_with('m') => "; a minute is `min`",
         _ => "",
     };
-    format!("`{text}` is {what}, but {want} is expected, e.g. \"{example}\"{meant}")
+    format!("`{text}` {what}, but {want} is expected, e.g. \"{example}\"{meant}")
 }

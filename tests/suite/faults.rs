@@ -294,7 +294,11 @@ fn a_file_that_may_not_grow_keeps_its_frames() {
     let script =
         format!("trap '' XFSZ; ulimit -f 6000; exec '{}' run long.toml --quiet -o a.h5", env!("CARGO_BIN_EXE_barwave"));
     let output = Command::new("bash").args(["-c", &script]).current_dir(folder.path()).output().expect("bash");
-    assert_kept(&folder.path().join("a.h5"), &output, &["largest size allowed", "written before are kept"]);
+    assert_kept(
+        &folder.path().join("a.h5"),
+        &output,
+        &["largest size allowed", "written before are kept, up to t = ", "help: make room there"],
+    );
 }
 
 /// A mount of 6 MB, gone with the value.
@@ -319,7 +323,11 @@ fn a_full_disk_keeps_the_frames() {
     }
     let disk = SmallDisk(&disk);
     let output = barwave(folder.path(), &["run", "long.toml", "--quiet", "-o", "disk/a.h5"]);
-    assert_kept(&disk.0.join("a.h5"), &output, &["the disk is full", "written before are kept"]);
+    assert_kept(
+        &disk.0.join("a.h5"),
+        &output,
+        &["the disk is full", "written before are kept, up to t = ", "help: make room there"],
+    );
 }
 
 #[test]

@@ -18,8 +18,8 @@ pub(super) fn text(studied: &[Studied], written: Option<&Path>) -> String {
     for one in studied {
         text += &details(one);
     }
-    if let Some(path) = written {
-        let _ = writeln!(text, "\nwrote {}", path.display());
+    if let Some(line) = written.and_then(output::wrote) {
+        let _ = writeln!(text, "\n{line}");
     }
     text
 }

@@ -131,10 +131,10 @@ impl Outputs {
 
     /// Lines that name what was written, and where the curve of the material ends.
     pub(super) fn written(&self, knots: &[MeasuredKnot]) -> Vec<String> {
-        let line = |path: &PathBuf| format!("wrote {}", path.display());
+        let line = |path: &PathBuf| output::wrote(path);
         let end = extended(knots).map_or_else(String::new, |sentence| format!(" ({sentence})"));
-        let material = self.output.as_ref().map(|path| line(path) + &end);
-        material.into_iter().chain([&self.csv, &self.plot].into_iter().flatten().map(line)).collect()
+        let material = self.output.as_ref().and_then(line).map(|line| line + &end);
+        material.into_iter().chain([&self.csv, &self.plot].into_iter().flatten().filter_map(line)).collect()
     }
 
     /// Name of the material: that of its file.

@@ -627,7 +627,7 @@ fn of_headings(args: &Args, record: &Record) -> Vec<String> {
 
 /// The report for people.
 fn report(args: &Args, path: &Path, imported: &[Imported], changes: &[String], material: &Material) -> String {
-    let mut text = format!("wrote {}\n", path.display());
+    let mut text = output::wrote(path).map_or_else(String::new, |line| line + "\n");
     for one in imported {
         let _ = writeln!(text, "record          {}: {}", one.record.name, one.record.columns);
         let _ = writeln!(text, "  measure       {}", args.measure(&one.record));

@@ -129,7 +129,8 @@ impl Claim {
         let more = needed + STEP;
         let grown =
             allocate(&self.file, more).map(|()| more).or_else(|_| allocate(&self.file, needed).map(|()| needed));
-        self.reserved = grown.map_err(|e| Error::file(&self.path, full(&e)))?;
+        self.reserved =
+            grown.map_err(|e| Error::File { path: self.path.clone(), reason: full(&e), help: ROOM.to_owned() })?;
         Ok(())
     }
 
@@ -139,6 +140,9 @@ impl Claim {
         let _ = self.file.set_len(used);
     }
 }
+
+/// What to do where the file cannot grow.
+const ROOM: &str = "make room there, name a file on another disk with -o, or record fewer frames, fields or cells";
 
 fn full(error: &std::io::Error) -> String {
     match error.kind() {

@@ -240,8 +240,8 @@ pub struct RunFigures {
 pub struct Writer {
     path: PathBuf,
     sender: Option<SyncSender<Message>>,
-    /// Error that ended the thread.
-    failure: Option<String>,
+    /// Reason and help of the error that ended the thread.
+    failure: Option<[String; 2]>,
     thread: Option<JoinHandle<Result<()>>>,
 }
 
@@ -342,16 +342,17 @@ impl Writer {
         }
         // The thread is gone, and its result says why.
         self.join()?;
-        let closed = || "the file is closed already".to_owned();
-        Err(Error::file(&self.path, self.failure.clone().unwrap_or_else(closed)))
+        let closed = || ["the file is closed already".to_owned(), String::new()];
+        let [reason, help] = self.failure.clone().unwrap_or_else(closed);
+        Err(Error::File { path: self.path.clone(), reason, help })
     }
 
     fn join(&mut self) -> Result<()> {
         drop(self.sender.take());
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => {
-                if let Err(Error::File { reason, .. }) = &result {
-                    self.failure = Some(reason.clone());
+                if let Err(Error::File { reason, help, .. }) = &result {
+                    self.failure = Some([reason.clone(), help.clone()]);
                 }
                 result
             }

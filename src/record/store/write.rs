@@ -22,6 +22,7 @@ use super::{Header, INTERRUPTED, Layout, Message, RUNNING, RunFigures, Side, Tra
 use crate::destination;
 use crate::error::{Error, Result};
 use crate::record::{AuditRow, Compression, ErrorTable, Frame, FrontRow, LedgerRow, MaterialRecord, Precision, Trace};
+use crate::units::{Dimension, System, format};
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -60,6 +61,8 @@ struct Frames {
     chunks: Option<Chunks>,
     columns: usize,
     written: usize,
+    /// Time of the last one of them, s.
+    last: Option<f64>,
     times: Vec<f64>,
     /// Rows waiting, one block a field.
     blocks: Vec<Vec<f64>>,
@@ -256,9 +259,12 @@ impl Sink {
         let waiting = self.frames.bytes()
             + tables.map(Table::bytes).sum::<usize>()
             + self.paths.as_ref().map_or(0, PathTable::bytes);
-        let kept = if self.frames.written > 0 { "; the frames written before are kept" } else { "" };
+        let kept = self.frames.last.map_or_else(String::new, |last| {
+            let last = format(last, Dimension::Time, System::Si);
+            std::format!("; the frames written before are kept, up to t = {last}")
+        });
         self.claim.reserve(self.file.size(), waiting as u64 + more).map_err(|e| match e {
-            Error::File { path, reason } => Error::File { path, reason: reason + kept },
+            Error::File { path, reason, help } => Error::File { path, reason: reason + &kept, help },
             other => other,
         })
     }
@@ -306,6 +312,7 @@ impl Frames {
             chunks: (layout.compression == Compression::Deflate).then(Chunks::new),
             columns: layout.x.len(),
             written: 0,
+            last: None,
             times: Vec::new(),
             blocks,
         })
@@ -320,6 +327,8 @@ impl Frames {
         }
         cut(&self.time, rows)?;
         self.written = rows;
+        let last = rows.saturating_sub(1)..rows;
+        self.last = self.time.read_slice_1d::<f64, _>(s![last])?.first().copied();
         Ok(())
     }
 
@@ -370,6 +379,7 @@ impl Frames {
             block.clear();
         }
         append(&self.time, start, &self.times)?;
+        self.last = self.times.last().copied();
         self.times.clear();
         self.written = end;
         Ok(true)

@@ -104,9 +104,14 @@ fn read<T>(
         pairs.push((first, number(1, "value", dimension, Allowed::Finite)?));
     }
     make(&pairs).map_err(|(i, why)| {
-        let span = columns.rows.get(i).map_or(0..0, |row| row.span.clone());
-        let what = if pairs.is_empty() { why.to_owned() } else { format!("this row {why}") };
-        document.error(span, key, what).allowed(rules).help(help).into()
+        let Some(row) = columns.rows.get(i) else {
+            let error = document.error(0..0, key, format!("there are no rows: {why}"));
+            return error
+                .allowed("at least one row of two numbers")
+                .help("write one row a line, such as `0, 5`")
+                .into();
+        };
+        document.error(row.span.clone(), key, format!("this row {why}")).allowed(rules).help(help).into()
     })
 }
 

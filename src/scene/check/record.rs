@@ -171,7 +171,10 @@ impl Checker<'_> {
             let key = format!("record.gauges.{name}");
             if name.trim().is_empty() || name.contains('/') || name.chars().any(char::is_control) || name == "." {
                 let error = self.error(place.span(), &key, format!("`{name}` is not a valid gauge name"));
-                return Err(error.allowed("a name without `/`").help("it becomes a group of the result file").into());
+                return Err(error
+                    .allowed("a name that is not empty or `.`, without `/` and control characters")
+                    .help("it becomes a group of the result file")
+                    .into());
             }
             let x = self.si(place)?;
             if !(0.0..=length).contains(&x) {

@@ -174,7 +174,7 @@ macro_rules! driven {
         pub struct $name {
             /// From t = 0 on.
             pub value: Option<Of<$measure>>,
-            /// Rows [time, value]; linear between rows; a repeated time is a jump; the last value is held. Times never decrease.
+            /// Rows [time, value]; 0 before the first row; linear between rows; a repeated time is a jump; the last value is held. Times never decrease.
             pub history: Option<Placed<Rows<measures::Time, $measure>>>,
             /// The same rows from a file with two columns, time and value; its path is relative to the scene file. A header line gives the names of the columns and, in brackets or behind an underscore, their units: `time [us],velocity [ft/s]` or `time_us,velocity_ft/s`. Or columns of a record, as a table.
             pub csv: Option<Placed<HistoryFile<$measure>>>,

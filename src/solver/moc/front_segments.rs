@@ -26,8 +26,10 @@ impl FrontTracking {
     fn piece(&self, node: &Node) -> FrontSegment {
         let (left, right) = (self.list.get(node.prev).right, node.right);
         let (ahead, behind) = if node.speed > 0.0 { (right, left) } else { (left, right) };
+        // By rounding a front that comes to an end passes it.
+        let [first, last] = self.end_nodes.map(|id| self.list.get(id).x);
         FrontSegment {
-            x: [node.x, node.at(self.now)],
+            x: [node.x, node.at(self.now).clamp(first, last)],
             t: [node.t, self.now],
             segment: node.segment as usize,
             ahead,

@@ -109,11 +109,14 @@ impl Beam {
         [(stiffness / line).sqrt(), 0.5 * damping / line]
     }
 
-    /// Shape of mode n at a place.
+    /// Shape of mode n at a place: by the distance from the nearer support, at which a shape has no rounding that would be all of it.
     fn shape(&self, n: usize, x: f64) -> f64 {
+        let right = x > 0.5 * self.length;
+        let near = if right { self.length - x } else { x };
         // Exact zeros of the antisymmetric modes under a central impact.
-        let place = n as f64 * x / self.length;
-        if place.fract() == 0.0 { 0.0 } else { (PI * (place % 2.0)).sin() }
+        let place = n as f64 * near / self.length;
+        let shape = if place.fract() == 0.0 { 0.0 } else { (PI * (place % 2.0)).sin() };
+        if right && n.is_multiple_of(2) { -shape } else { shape }
     }
 
     /// Modes 1 to `count`, at rest.

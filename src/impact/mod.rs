@@ -6,6 +6,7 @@ mod beam;
 mod check;
 pub(crate) mod contact;
 mod decay;
+mod ellipse;
 mod oscillator;
 mod plate;
 mod pulse;
@@ -18,8 +19,9 @@ use std::fmt::Debug;
 use std::ops::ControlFlow;
 
 pub(crate) use beam::buckling;
-pub use beam::{Beam, Foundation, Section};
+pub use beam::{Beam, Face, Foundation, Section};
 pub use contact::{Contact, History, Horizon, Moment, System, Touch};
+pub use ellipse::Ellipse;
 pub use oscillator::Oscillator;
 pub use plate::{Plate, handbook_restitution};
 pub use pulse::{Pulse, phi_psi};

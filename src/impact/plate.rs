@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use super::check::{Checked, TOLERANCES, member, positive};
 use super::contact::{Contact, Horizon, System};
+use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
-use super::solid::{Elastic, Solid, contact_radius, judge};
+use super::solid::{Elastic, Solid, judge};
 use super::solution::{Figure, Line, Solution, Table};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
@@ -209,6 +210,7 @@ impl Problem for Plate {
 
     fn solved(&self, watch: Watch<'_>) -> Solution {
         let (law, velocity) = (self.contact(), self.striker.velocity);
+        let circle = Ellipse::circle(law);
         let mut solution = self.closed_forms();
         let striker = Oscillator { v: velocity, ..Oscillator::new(self.striker.mass, [0.0, 0.0], -1.0) };
         let system = System { modes: vec![striker], mobility: 1.0 / self.impedance(), ..System::default() };
@@ -221,7 +223,7 @@ impl Problem for Plate {
         let history = Contact::new(law, system).run(horizon, |moment| {
             last = moment.system.modes[0];
             let (approach, system) = (moment.approach, moment.system);
-            let radius = contact_radius(&law, approach);
+            let radius = circle.mean_radius(approach);
             let plate = moment.force * system.mobility;
             contact.push(&[moment.time, moment.force, approach, system.drift, radius, last.v, plate]);
             let (kinetic, stored) = (last.energy(), law.energy(approach));
@@ -245,7 +247,7 @@ impl Problem for Plate {
             let line = Line::new("disturbed radius", "{} at the end of this contact (9.8)", &[(spread, Length)]);
             solution.lines.extend(spread.is_finite().then_some(line));
             solution.figures.push(Figure::new("contact_spread_radius", Length, long_name, spread));
-            judge(&mut solution, &law, [&self.striker.elastic, &self.elastic], touch.approach);
+            judge(&mut solution, &circle, [&self.striker.elastic, &self.elastic], touch.approach);
         }
         if !history.separated && !history.interrupted {
             solution.warnings.push(self.in_contact_at_end(last.v / velocity));

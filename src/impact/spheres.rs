@@ -5,8 +5,9 @@ use std::ops::ControlFlow;
 
 use super::check::{Checked, TOLERANCES, meet, member, positive, positive_or_infinite};
 use super::contact::{Contact, Horizon, System};
+use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
-use super::solid::{Elastic, Solid, contact_radius, judge};
+use super::solid::{Elastic, Solid, judge};
 use super::solution::{Figure, Line, Solution, Table};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
@@ -176,7 +177,7 @@ fn closed_forms(solids: &[Solid; 2]) -> Solution {
     solution.add("largest force", Figure::new("peak_force", Force, "largest contact force", contact.force(approach)));
     let duration = contact.contact_time(mass, closing);
     solution.add("contact time", Figure::new("contact_duration", Time, "duration of the contact", duration));
-    judge(&mut solution, &contact, [&solids[0].elastic, &solids[1].elastic], approach);
+    judge(&mut solution, &Ellipse::circle(contact), [&solids[0].elastic, &solids[1].elastic], approach);
     if solids[1].mass.is_infinite() {
         radiation(&mut solution, solids, &contact);
     } else {
@@ -284,12 +285,13 @@ fn hertz(solids: &[Solid; 2], tolerance: f64, watch: Watch<'_>) -> Solution {
     let modes = solids.iter().zip(shapes).filter(|(s, _)| s.mass.is_finite()).map(body).collect();
     let duration = solution.figure("contact_duration");
     let (mut contact, mut ledger) = (table(), ledger());
+    let circle = Ellipse::circle(law);
     let mut start = None;
     let horizon = Horizon { least: 0.0, most: 10.0 * duration, tolerance, doublings: Horizon::CONTACT_ALONE };
     let system = System { modes, ..System::default() };
     let history = Contact::new(law, system).run(horizon, |moment| {
         let velocity = |i: usize| moment.system.modes.get(i).map_or(0.0, |m| m.v);
-        let radius = contact_radius(&law, moment.approach);
+        let radius = circle.mean_radius(moment.approach);
         contact.push(&[moment.time, moment.force, moment.approach, radius, velocity(0), velocity(1)]);
         let kinetic: f64 = moment.system.modes.iter().map(Oscillator::energy).sum();
         let stored = law.energy(moment.approach);

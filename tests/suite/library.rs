@@ -5,7 +5,7 @@ use std::path::Path;
 
 use barwave::error::{Error, InputError, Result};
 use barwave::impact::{
-    self, Beam, Blow, Elastic, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
+    self, Beam, Blow, Elastic, Face, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
 };
 use barwave::material::{Beyond, Curve};
 use barwave::record::store::{ResultFile, StoredScene};
@@ -109,7 +109,7 @@ fn impacts_out_of_range_are_errors_that_name_the_member() {
     let plate = Plate { thickness: 0.01, elastic: steel, striker: ball(1.0), tolerance: 1e-6, until: None };
     let beam = Beam {
         length: 0.15,
-        section: Section { area: 1e-4, inertia: 8e-10, depth: 0.01 },
+        section: Section { area: 1e-4, inertia: 8e-10, depth: 0.01, face: Face::Flat },
         elastic: steel,
         foundation: Foundation::default(),
         striker: ball(0.01),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::Beam;
+use super::{Beam, Face};
 use crate::impact::oscillator::Oscillator;
 use crate::impact::pulse::Pulse;
 use crate::impact::solution::{Figure, Line, Solution};
@@ -155,7 +155,13 @@ impl Beam {
             "(9.23) and (9.24) for the beam in place of (9.16) in Timoshenko's integral equation (9.18), with the weights \
              sin^2(n pi x0/l)"
         };
-        format!("{along}; for comparison, the half-sine pulse (9.22) with the coefficient of restitution (9.31)")
+        let contact = match self.section.face {
+            Face::Flat => "",
+            Face::Round => "; Hertz's elliptical contact of sphere and cylinder",
+        };
+        format!(
+            "{along}{contact}; for comparison, the half-sine pulse (9.22) with the coefficient of restitution (9.31)"
+        )
     }
 
     fn is_plain(&self) -> bool {

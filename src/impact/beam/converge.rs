@@ -177,7 +177,7 @@ impl Beam {
         if let Some(more @ 1..) = history.touches.len().checked_sub(MOST_LINES) {
             solution.lines.push(Line::new("contact", format!("... and {more} more; the result file lists all"), &[]));
         }
-        judge(solution, &self.contact(), [&self.striker.elastic, &self.elastic], largest.approach);
+        judge(solution, &self.area_of_contact(), [&self.striker.elastic, &self.elastic], largest.approach);
     }
 
     fn first_contact(&self, solution: &mut Solution, first: &Touch) {

@@ -10,6 +10,7 @@ use std::f64::consts::PI;
 
 use super::check::{Checked, TOLERANCES, member, positive};
 use super::contact::{Horizon, System};
+use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
 use super::solid::{Elastic, Solid};
 use super::solution::{Figure, Line, Solution};
@@ -27,6 +28,17 @@ pub struct Section {
     pub inertia: f64,
     /// Full depth in the direction of the impact, m, > 0.
     pub depth: f64,
+    /// What the sphere meets.
+    pub face: Face,
+}
+
+/// The struck face of a beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Face {
+    /// Flat.
+    Flat,
+    /// The side of a cylinder: of a round section.
+    Round,
 }
 
 /// What acts along the beam; zeros: nothing.
@@ -136,9 +148,17 @@ impl Beam {
         self.oscillators(count).chain(above)
     }
 
-    /// The contact.
+    /// The law of the contact.
     pub fn contact(&self) -> Hertz {
-        self.striker.contact(&self.elastic.half_space())
+        self.area_of_contact().law
+    }
+
+    /// The contact with its area: on a round beam an ellipse, the longer axis along the beam.
+    pub fn area_of_contact(&self) -> Ellipse {
+        match self.section.face {
+            Face::Flat => Ellipse::circle(self.striker.contact(&self.elastic.half_space())),
+            Face::Round => self.striker.contact_with_cylinder(0.5 * self.section.depth, &self.elastic),
+        }
     }
 
     /// Striker and beam of so many modes.
@@ -195,7 +215,7 @@ impl Problem for Beam {
     }
 
     fn check(&self) -> Checked {
-        let Section { area, inertia, depth } = self.section;
+        let Section { area, inertia, depth, .. } = self.section;
         positive([("length", self.length, Length), ("section.area", area, Area)])?;
         positive([("section.inertia", inertia, SecondMomentOfArea), ("section.depth", depth, Length)])?;
         self.elastic.check_of_struck("elastic")?;

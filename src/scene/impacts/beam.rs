@@ -9,7 +9,7 @@ use super::super::raw::{BodyKeys, Gauges, MaterialChoice, raw_body};
 use super::Parts;
 use super::body::{RawSphere, Tolerance, elastic_json, solid_json};
 use crate::error::Result;
-use crate::impact::{Beam, Elastic, Foundation, Section, buckling};
+use crate::impact::{Beam, Elastic, Face, Foundation, Section, buckling};
 use crate::input::Allowed;
 use crate::typed::{Count, Key, NotNegative, Of, Or, Placed, Plain, Poisson, Positive};
 use crate::units::{Dimension, System, format, measures};
@@ -46,9 +46,9 @@ raw_body! {
         pub depth: Option<Of<measures::Length, Positive>>,
         /// Width of a rectangular section.
         pub width: Option<Of<measures::Length, Positive>>,
-        /// Diameter of a round section; instead of all other keys of the section.
+        /// Diameter of a round section, on which the area of contact is an ellipse; instead of all other keys of the section.
         pub diameter: Option<Of<measures::Length, Positive>>,
-        /// Area of the section; with `inertia` and `depth`.
+        /// Area of the section; with `inertia` and `depth`. The struck face is taken as flat.
         pub area: Option<Of<measures::Area, Positive>>,
         /// Second moment of area, at most `area*depth^2/4`; with `area` and `depth`.
         pub inertia: Option<Of<measures::SecondMomentOfArea, Positive>>,
@@ -138,6 +138,7 @@ fn resolved(beam: &Beam) -> serde_json::Value {
     json!({
         "beam": {
             "length": beam.length, "area": section.area, "inertia": section.inertia, "depth": section.depth, "at": beam.at,
+            "round": section.face == Face::Round,
             "elastic": elastic_json(&beam.elastic), "internal-damping": along.internal, "external-damping": along.external,
             "foundation": along.modulus, "axial-force": along.axial,
         },
@@ -161,12 +162,13 @@ impl Checker<'_> {
                 return Err(error.help(format!("keep `diameter` or `{name}`, not both")).into());
             }
             let d = self.si(diameter)?;
-            return Ok(Section { area: PI / 4.0 * d * d, inertia: PI / 64.0 * d.powi(4), depth: d });
+            return Ok(Section { area: PI / 4.0 * d * d, inertia: PI / 64.0 * d.powi(4), depth: d, face: Face::Round });
         }
         let depth = self.needed(raw.depth.as_ref(), "depth", span.clone(), "beam")?;
         if raw.area.is_none() && raw.inertia.is_none() {
             let width = self.needed(raw.width.as_ref(), "width", span, "beam")?;
-            return Ok(Section { area: width * depth, inertia: width * depth.powi(3) / 12.0, depth });
+            let (area, inertia) = (width * depth, width * depth.powi(3) / 12.0);
+            return Ok(Section { area, inertia, depth, face: Face::Flat });
         }
         if let Some(width) = &raw.width {
             let error = self.error(
@@ -193,7 +195,7 @@ impl Checker<'_> {
                 .help("check the units of `area`, `inertia` and `depth`; a rectangle has a third of this")
                 .into());
         }
-        Ok(Section { area, inertia, depth })
+        Ok(Section { area, inertia, depth, face: Face::Flat })
     }
 
     fn beam_foundation(&self, raw: &RawBeam, length: f64, section: Section, elastic: &Elastic) -> Result<Foundation> {
@@ -229,9 +231,10 @@ impl Checker<'_> {
 
     /// A contact wider than the section, or a sphere longer than the beam, is no contact at a point.
     fn sphere_fits(&self, beam: &Beam, striker: &Placed<RawSphere>) -> Result<()> {
-        let contact = beam.contact();
-        let approach = contact.largest_approach(beam.striker.mass, beam.striker.velocity);
-        let patch = 2.0 * (contact.radius * approach).sqrt();
+        let contact = beam.area_of_contact();
+        let approach = contact.law.largest_approach(beam.striker.mass, beam.striker.velocity);
+        let [_, across] = contact.semi_axes(approach);
+        let patch = 2.0 * across;
         let shown = |value| format(value, Dimension::Length, System::Si);
         let raw = striker.get_ref();
         let span = raw.radius.place().or(raw.diameter.place()).unwrap_or_else(|| striker.span());

@@ -1,5 +1,7 @@
 //! Figure of a sweep: its metrics against the axis with the most values.
 
+use std::collections::HashSet;
+
 use serde_json::Value;
 
 use super::display::{Unit, Units};
@@ -52,7 +54,10 @@ fn metrics(plan: &Plan, rows: &[Row]) -> Vec<String> {
     if USUAL.iter().any(|name| has(name)) {
         return USUAL.map(str::to_owned).to_vec();
     }
-    let mut all: Vec<String> = rows.first().map_or_else(Vec::new, |row| row.metrics.keys().cloned().collect());
+    // A case that failed has none.
+    let mut seen = HashSet::new();
+    let names = rows.iter().flat_map(|row| row.metrics.keys());
+    let mut all: Vec<String> = names.filter(|name| seen.insert(name.as_str())).cloned().collect();
     all.retain(|name| has(name));
     let has_one_of = |name: &str, words: &[&str]| words.iter().any(|word| name.contains(word));
     all.sort_by_key(|name| (!has_one_of(name, &TELLING), has_one_of(name, &LESS_TELLING)));

@@ -549,6 +549,24 @@ fn cost_shows_convergence_in_modes_and_steps() {
     assert!(std::fs::read_to_string(folder.path().join("c.svg")).expect("a figure").contains("error against steps"));
 }
 
+/// The metrics of the figure are those of any case: the first one here approaches nothing, and fails.
+#[test]
+fn a_sweep_whose_first_case_fails_is_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::copy(scene("spheres.toml"), folder.path().join("spheres.toml")).expect("copied");
+    let sweep =
+        "[sweep]\nscene = \"spheres.toml\"\n[axes]\n\"striker.velocity\" = [\"-1 m/s\", \"1 m/s\", \"2 m/s\"]\n";
+    std::fs::write(folder.path().join("sweep.toml"), sweep).expect("written");
+    let program = Command::new(env!("CARGO_BIN_EXE_barwave"))
+        .current_dir(folder.path())
+        .args(["sweep", "sweep.toml", "-o", "out", "--quiet", "--plot", "p.svg"])
+        .output()
+        .expect("it starts");
+    let figure = std::fs::read_to_string(folder.path().join("p.svg"));
+    let figure = figure.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&program.stderr)));
+    assert!(figure.contains("peak force"), "{figure}");
+}
+
 #[test]
 fn impacts_can_be_swept() {
     let folder = tempfile::tempdir().expect("a folder");

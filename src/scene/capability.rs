@@ -370,9 +370,14 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
     ("solve.viscosity", "artificial viscosity", "remove it"),
 ];
 
-/// Replaces the error "unknown key" by an explanation if the key is in [`ELSEWHERE`].
-pub(super) fn not_a_key(error: Error) -> Error {
+/// Replaces the error "unknown key" by an explanation if the key is in [`ELSEWHERE`], or a striker's without anything that it strikes.
+pub(super) fn not_a_key(error: Error, has_bar: bool) -> Error {
     let Error::Input(error) = error else { return error };
+    if error.key == "striker" && !has_bar && error.message.starts_with("unknown key") {
+        let help =
+            "add one of [specimen], [spheres], [plate], [beam]; the striker of a bar is an end with kind = \"striker\"";
+        return InputError { message: "the scene does not say what is struck".into(), ..error }.help(help).into();
+    }
     let word = ELSEWHERE.iter().find(|(key, ..)| *key == error.key && error.message.starts_with("unknown key"));
     let Some((_, what, help)) = word else { return error.into() };
     InputError { message: format!("this version does not simulate {what}"), ..error }.help(*help).into()

@@ -549,6 +549,22 @@ fn cost_shows_convergence_in_modes_and_steps() {
     assert!(std::fs::read_to_string(folder.path().join("c.svg")).expect("a figure").contains("error against steps"));
 }
 
+#[test]
+fn a_striker_needs_a_body_that_it_strikes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = |text: &str| {
+        std::fs::write(folder.path().join("s.toml"), text).expect("written");
+        let program =
+            Command::new(env!("CARGO_BIN_EXE_barwave")).current_dir(folder.path()).args(["run", "s.toml"]).output();
+        String::from_utf8_lossy(&program.expect("it starts").stderr).into_owned()
+    };
+    let alone = said("[striker]\nradius = \"1 cm\"\nvelocity = 1\n");
+    assert!(alone.contains("the scene does not say what is struck"), "{alone}");
+    assert!(alone.contains("help: add one of [specimen], [spheres], [plate], [beam]"), "{alone}");
+    let beside = said("[bar]\nlength = 1\n[striker]\nvelocity = 1\n");
+    assert!(beside.contains("give an end kind = \"striker\""), "{beside}");
+}
+
 /// The metrics of the figure are those of any case: the first one here approaches nothing, and fails.
 #[test]
 fn a_sweep_whose_first_case_fails_is_drawn() {

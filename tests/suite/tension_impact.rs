@@ -120,8 +120,11 @@ fn scenes_are_tested_and_wrong_input_is_explained() {
         .expect("a scene");
     std::fs::write(folder.path().join("free.toml"), SCENE.replace("\"velocity\"\nvalue = -1", "\"free\""))
         .expect("a scene");
+    let beam = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/beam.toml");
+    std::fs::copy(beam, folder.path().join("beam.toml")).expect("a scene");
     for (arguments, words) in [
         (&["coper-annealed"][..], "copper-annealed"),
+        (&["beam.toml"], "a scene with [beam] has no bar that is pulled"),
         (&["whole.toml"], "rupture = \"critical-strain\""),
         (&["free.toml"], "kind = \"velocity\""),
         (&["copper-annealed", "--velocities=-5 m/s"], "not an impact velocity"),

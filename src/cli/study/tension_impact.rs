@@ -9,6 +9,7 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::report::{plot, tension as picture};
+use crate::scene::KINDS;
 use crate::study::sweep::{Shard, run as run_cases};
 use crate::study::tension::{FarEnd, Results, SPECIMEN, Specimen, Test, results, write_csv, write_hdf5};
 
@@ -89,7 +90,10 @@ fn test(args: &Args) -> Result<Test> {
     let path = Path::new(&args.subject);
     if path.is_file() {
         let document = Document::read(path)?;
-        if document.text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("left")) {
+        let scene = |table: toml::Table| {
+            ["bar", "left"].into_iter().chain(KINDS.map(|kind| kind.key)).any(|key| table.contains_key(key))
+        };
+        if document.text.parse().is_ok_and(scene) {
             return Test::new(document, path, velocities.as_ref());
         }
     }

@@ -57,7 +57,8 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let mut parsed = document.parsed()?;
     let keys = ["bar", "solve"].map(|table| parsed.keys_in(table));
     let ends = ["left", "right"].map(|end| parsed.take(end));
-    let raw: RawScene = parsed.read().map_err(not_a_key)?;
+    let has_bar = parsed.has("bar");
+    let raw: RawScene = parsed.read().map_err(|error| not_a_key(error, has_bar))?;
     let torsion = raw.bar.as_ref().is_some_and(|bar| bar.get_ref().is_torsion());
     Checker { document, base, torsion, keys }.scene(raw, ends)
 }

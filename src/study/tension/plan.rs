@@ -98,9 +98,12 @@ impl Test {
     /// # Errors
     /// Input errors: a scene that cannot break at an end that is pulled, velocities that are none.
     pub fn new(document: Document, path: &Path, velocities: Option<&Value>) -> Result<Self> {
-        let Problem::Bar(scene) = Problem::of_document(&document, path, &[])? else {
-            let help = "give a material, or a scene with [bar]";
-            return Err(InputError::new("[specimen] uses the energy method, without waves").help(help).into());
+        let scene = match Problem::of_document(&document, path, &[])? {
+            Problem::Bar(scene) => scene,
+            Problem::Impact(scene) => {
+                let message = format!("a scene with [{}] has no bar that is pulled", scene.problem.kind());
+                return Err(InputError::new(message).help("give a material, or a scene with [bar]").into());
+            }
         };
         check(&scene)?;
         let segment = &scene.bar.segments[0];

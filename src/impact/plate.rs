@@ -6,7 +6,7 @@ use super::check::{Checked, TOLERANCES, member, positive};
 use super::contact::{Contact, Horizon, System};
 use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
-use super::solid::{Elastic, Solid, judge};
+use super::solid::{Elastic, Solid, judge, wide_for_plate};
 use super::solution::{Figure, Line, Solution, Table};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
@@ -248,6 +248,7 @@ impl Problem for Plate {
             solution.lines.extend(spread.is_finite().then_some(line));
             solution.figures.push(Figure::new("contact_spread_radius", Length, long_name, spread));
             judge(&mut solution, &circle, [&self.striker.elastic, &self.elastic], touch.approach);
+            solution.warnings.extend(wide_for_plate(&circle, touch.approach, self.thickness));
         }
         if !history.separated && !history.interrupted {
             solution.warnings.push(self.in_contact_at_end(last.v / velocity));

@@ -85,6 +85,11 @@ pub fn contact_is_wide(contact: &Hertz, force: f64, bar: f64) -> Option<(f64, St
     Some((radius / (LARGEST_CONTACT * body.0), wide(("contact radius", radius), body)?))
 }
 
+/// A warning that a contact is not small against the thickness of a plate, m.
+pub(super) fn wide_for_plate(contact: &Ellipse, approach: f64, thickness: f64) -> Option<String> {
+    wide(("contact radius", contact.mean_radius(approach)), (thickness, "the thickness of the plate"))
+}
+
 fn wide((name, size): (&str, f64), (body, what): (f64, &str)) -> Option<String> {
     (size > LARGEST_CONTACT * body).then(|| {
         format!(

@@ -210,6 +210,24 @@ fn foils_are_beyond_linear_theory_and_throw_nothing_back() {
     assert!(stopped["notes"].to_string().contains("increase `until`"), "{stopped}");
 }
 
+/// Hertz's half-space has no faces that a contact could reach.
+#[test]
+fn contacts_are_small_against_the_width_of_a_beam_and_the_thickness_of_a_plate() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let narrow = ["beam.width=\"0.1 mm\"", "beam.length=\"30 cm\"", "record.gauges="];
+    let output = barwave(folder.path(), "plan", "beam.toml", &narrow, &[]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("wide, more than the width of the beam") && message.contains("help:"), "{message}");
+    // lambda = 1.2, and a contact radius of 0.16 mm.
+    let plate = |velocity: &str| run("plate.toml", &["plate.thickness=\"1.43 mm\"", velocity])["notes"].to_string();
+    assert!(!plate("striker.velocity=0.1").contains("the thickness of the plate;"));
+    assert!(
+        plate("striker.velocity=50")
+            .contains("of the thickness of the plate; Hertz's theory needs a contact that is small")
+    );
+}
+
 #[test]
 fn beams_note_what_is_beyond_the_theory_of_slender_elastic_beams() {
     let folder = tempfile::tempdir().expect("a folder");

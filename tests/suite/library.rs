@@ -109,7 +109,7 @@ fn impacts_out_of_range_are_errors_that_name_the_member() {
     let plate = Plate { thickness: 0.01, elastic: steel, striker: ball(1.0), tolerance: 1e-6, until: None };
     let beam = Beam {
         length: 0.15,
-        section: Section { area: 1e-4, inertia: 8e-10, depth: 0.01, face: Face::Flat },
+        section: Section { area: 1e-4, inertia: 8e-10, depth: 0.01, face: Face::Flat { width: 0.01 } },
         elastic: steel,
         foundation: Foundation::default(),
         striker: ball(0.01),

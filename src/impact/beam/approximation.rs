@@ -156,7 +156,7 @@ impl Beam {
              sin^2(n pi x0/l)"
         };
         let contact = match self.section.face {
-            Face::Flat => "",
+            Face::Flat { .. } => "",
             Face::Round => "; Hertz's elliptical contact of sphere and cylinder",
         };
         format!(

@@ -8,7 +8,7 @@ mod shape;
 
 use std::f64::consts::PI;
 
-use super::check::{Checked, TOLERANCES, member, positive};
+use super::check::{Checked, TOLERANCES, member, positive, positive_or_infinite};
 use super::contact::{Horizon, System};
 use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
@@ -36,7 +36,10 @@ pub struct Section {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Face {
     /// Flat.
-    Flat,
+    Flat {
+        /// m, > 0; infinite where it is not known.
+        width: f64,
+    },
     /// The side of a cylinder: of a round section.
     Round,
 }
@@ -156,7 +159,7 @@ impl Beam {
     /// The contact with its area: on a round beam an ellipse, the longer axis along the beam.
     pub fn area_of_contact(&self) -> Ellipse {
         match self.section.face {
-            Face::Flat => Ellipse::circle(self.striker.contact(&self.elastic.half_space())),
+            Face::Flat { .. } => Ellipse::circle(self.striker.contact(&self.elastic.half_space())),
             Face::Round => self.striker.contact_with_cylinder(0.5 * self.section.depth, &self.elastic),
         }
     }
@@ -215,9 +218,12 @@ impl Problem for Beam {
     }
 
     fn check(&self) -> Checked {
-        let Section { area, inertia, depth, .. } = self.section;
+        let Section { area, inertia, depth, face } = self.section;
         positive([("length", self.length, Length), ("section.area", area, Area)])?;
         positive([("section.inertia", inertia, SecondMomentOfArea), ("section.depth", depth, Length)])?;
+        if let Face::Flat { width } = face {
+            positive_or_infinite("section.face.width", width, Length)?;
+        }
         self.elastic.check_of_struck("elastic")?;
         self.striker.check_of_striker("striker", 0.0)?;
         let Foundation { internal, external, modulus, axial } = self.foundation;

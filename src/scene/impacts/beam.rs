@@ -134,11 +134,15 @@ pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
 
 fn resolved(beam: &Beam) -> serde_json::Value {
     let (section, along) = (beam.section, beam.foundation);
+    let width = match section.face {
+        Face::Flat { width } => Some(width).filter(|width| width.is_finite()),
+        Face::Round => None,
+    };
     let gauges: serde_json::Map<_, _> = beam.gauges.iter().map(|(name, x)| (name.clone(), json!(x))).collect();
     json!({
         "beam": {
             "length": beam.length, "area": section.area, "inertia": section.inertia, "depth": section.depth, "at": beam.at,
-            "round": section.face == Face::Round,
+            "round": section.face == Face::Round, "width": width,
             "elastic": elastic_json(&beam.elastic), "internal-damping": along.internal, "external-damping": along.external,
             "foundation": along.modulus, "axial-force": along.axial,
         },
@@ -168,7 +172,7 @@ impl Checker<'_> {
         if raw.area.is_none() && raw.inertia.is_none() {
             let width = self.needed(raw.width.as_ref(), "width", span, "beam")?;
             let (area, inertia) = (width * depth, width * depth.powi(3) / 12.0);
-            return Ok(Section { area, inertia, depth, face: Face::Flat });
+            return Ok(Section { area, inertia, depth, face: Face::Flat { width } });
         }
         if let Some(width) = &raw.width {
             let error = self.error(
@@ -195,7 +199,7 @@ impl Checker<'_> {
                 .help("check the units of `area`, `inertia` and `depth`; a rectangle has a third of this")
                 .into());
         }
-        Ok(Section { area, inertia, depth, face: Face::Flat })
+        Ok(Section { area, inertia, depth, face: Face::Flat { width: f64::INFINITY } })
     }
 
     fn beam_foundation(&self, raw: &RawBeam, length: f64, section: Section, elastic: &Elastic) -> Result<Foundation> {
@@ -235,6 +239,11 @@ impl Checker<'_> {
         let approach = contact.law.largest_approach(beam.striker.mass, beam.striker.velocity);
         let [_, across] = contact.semi_axes(approach);
         let patch = 2.0 * across;
+        let depth = (beam.section.depth, "depth");
+        let (most, what) = match beam.section.face {
+            Face::Flat { width } if width < depth.0 => (width, "width"),
+            _ => depth,
+        };
         let shown = |value| format(value, Dimension::Length, System::Si);
         let raw = striker.get_ref();
         let span = raw.radius.place().or(raw.diameter.place()).unwrap_or_else(|| striker.span());
@@ -243,9 +252,9 @@ impl Checker<'_> {
         let (message, allowed) = if diameter > beam.length {
             let message = format!("the sphere, {} across, is longer than the beam", shown(diameter));
             (message, format!("diameter <= {}", shown(beam.length)))
-        } else if patch > beam.section.depth {
-            let message = format!("the contact would be {} wide, more than the depth of the beam", shown(patch));
-            (message, format!("a contact up to {}", shown(beam.section.depth)))
+        } else if patch > most {
+            let message = format!("the contact would be {} wide, more than the {what} of the beam", shown(patch));
+            (message, format!("a contact up to {}", shown(most)))
         } else {
             return Ok(());
         };

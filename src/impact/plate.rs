@@ -7,7 +7,7 @@ use super::contact::{Contact, Horizon, System};
 use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
 use super::solid::{Elastic, Solid, judge, wide_for_plate};
-use super::solution::{Figure, Line, Solution, Table};
+use super::solution::{Figure, Line, Solution, Table, ratio};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
 use crate::units::Dimension::{self, Force, Length, None as Plain, Time, Velocity};
@@ -131,16 +131,16 @@ impl Plate {
 
 /// Where the waves of the contact are not long compared with the thickness. The energy is that of Mindlin's plate for the pulse of Hertz,
 /// Poisson's ratio 0.3: 2.47, 1.74, 1.30 and 1.09 times that of the thin plate at 1.5, 2, 3 and 5.2 thicknesses.
-fn short_waves(ratio: f64) -> Option<String> {
-    let energy = 1.0 + 2.4 * ratio.powi(-2) + 1.5 * ratio.powf(-3.5);
-    let size = if ratio < NO_PLATE {
+fn short_waves(spread: f64) -> Option<String> {
+    let energy = 1.0 + 2.4 * spread.powi(-2) + 1.5 * spread.powf(-3.5);
+    let size = if spread < NO_PLATE {
         "thin-plate theory does not hold for so short a contact".into()
     } else {
         format!(
             "with shear deformation and rotary inertia, which thin-plate theory neglects, the plate takes about {energy:.1} times the energy"
         )
     };
-    (ratio < LEAST_SPREAD).then(|| format!("the disturbed radius is {ratio:.2} of the thickness: {size}"))
+    (spread < LEAST_SPREAD).then(|| format!("the disturbed radius is {} of the thickness: {size}", ratio(spread, 3)))
 }
 
 impl Plate {
@@ -152,8 +152,9 @@ impl Plate {
             return "the sphere is still in contact at the end time; increase `until` to include the rebound".into();
         }
         format!(
-            "the sphere does not rebound: the coefficient of restitution is {restitution:.1e} at lambda = {lambda:.1}; at the end \
-             time it still has {kept:.2} of its velocity, which the plate takes"
+            "the contact has not ended at the end time, when the sphere has {} of its velocity; the rebound is negligible, \
+             with a coefficient of restitution of {restitution:.1e} at lambda = {lambda:.1}",
+            ratio(kept, 3)
         )
     }
 

@@ -143,6 +143,16 @@ impl Line {
     }
 }
 
+/// A ratio with so many significant digits, zeros at the end included; with an exponent where it is very small.
+pub(super) fn ratio(value: f64, digits: usize) -> String {
+    let magnitude = value.abs().log10().floor();
+    if magnitude < -4.0 && value != 0.0 {
+        return format!("{value:.*e}", digits - 1);
+    }
+    let before = if magnitude.is_finite() { magnitude + 1.0 } else { 1.0 };
+    format!("{value:.*}", (digits as f64 - before).max(0.0) as usize)
+}
+
 /// The result of an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
@@ -209,5 +219,24 @@ impl Solution {
         let line = Line::new(label, "{}", &[(figure.value, figure.dimension)]);
         self.lines.extend(figure.value.is_finite().then_some(line));
         self.figures.push(figure);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_have_significant_digits() {
+        for (value, text) in [
+            (2.0, "2.00"),
+            (0.305_4, "0.305"),
+            (0.001_234_5, "0.00123"),
+            (3.2e-7, "3.20e-7"),
+            (0.0, "0.00"),
+            (1234.5, "1234"),
+        ] {
+            assert_eq!(ratio(value, 3), text);
+        }
     }
 }

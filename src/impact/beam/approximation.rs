@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::{Beam, Face};
 use crate::impact::oscillator::Oscillator;
 use crate::impact::pulse::Pulse;
-use crate::impact::solution::{Figure, Line, Solution};
+use crate::impact::solution::{Figure, Line, Solution, ratio};
 use crate::units::Dimension::{Force, None as Plain, Time, Velocity};
 
 /// Length over depth, and distance of the impact from a support over depth, below which bending theory is poor.
@@ -116,9 +116,9 @@ impl Beam {
         let [slender, near] =
             [self.length, self.at.min(self.length - self.at)].map(|length| length / self.section.depth);
         let what = if slender < LEAST_SLENDERNESS {
-            format!("the beam is {slender:.3} times as long as deep")
+            format!("the beam is {} times as long as deep", ratio(slender, 4))
         } else if near < LEAST_DEPTHS {
-            format!("the beam is struck {near:.3} of its depth from a support")
+            format!("the beam is struck {} of its depth from a support", ratio(near, 4))
         } else {
             return None;
         };

@@ -37,9 +37,9 @@ pub(crate) struct Args {
     /// Wall-clock time for the whole study, e.g. 60s or "5 min".
     #[arg(long, value_name = "TIME", default_value = "60s")]
     budget: Quantity,
-    /// Error measure: field, field-at-end, ends, gauges, residual-strain or peak-force.
-    #[arg(long, value_name = "NAME", default_value = "field")]
-    measure: String,
+    /// Error measure of waves in a bar: field, field-at-end, ends, gauges, residual-strain or peak-force [default: field].
+    #[arg(long, value_name = "NAME")]
+    measure: Option<String>,
     /// Change a key of the scene, as for `barwave run`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -62,6 +62,9 @@ enum Kind {
 const FIRST_LOOK: Duration = Duration::from_micros(200);
 const LAST_LOOK: Duration = Duration::from_millis(5);
 
+/// Error measure of a study that names none.
+const USUAL_MEASURE: &str = "field";
+
 /// Ticks of the progress bar in a second of the budget.
 const TICKS: f64 = 10.0;
 
@@ -70,7 +73,7 @@ const MILLI: f64 = 1e3;
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     let budget = seconds(&args.budget)?;
-    let measure = measure(&args.measure)?;
+    let measure = measure(args.measure.as_deref().unwrap_or(USUAL_MEASURE))?;
     let kind = args.output.as_deref().map(kind).transpose()?;
     output::check(args.json, [args.output.as_deref()])?;
     if !args.scene.is_file() && args.scene.exists() || args.scene == Path::new("-") {
@@ -118,6 +121,13 @@ fn explain_interruption(error: &Error) {
 
 /// The study of an impact that is not waves in a bar.
 fn of_impact(args: &Args, scene: &ImpactScene, kind: Option<&Kind>, budget: f64) -> Result<()> {
+    if args.measure.is_some() {
+        let error =
+            InputError::new("the error measures are those of waves in a bar, and this scene has none").key("--measure");
+        let help =
+            "leave it out: the error of an impact is that of contact force, contact time, impulse and restitution";
+        return Err(error.help(help).into());
+    }
     let (stop, started) = (interrupt::flag(), Instant::now());
     let bar = progress_bar(args.quiet || args.json, budget);
     let mut progress = |what: &str, done: f64| {

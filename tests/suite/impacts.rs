@@ -543,6 +543,12 @@ fn reports_plans_and_cost_studies_are_there_for_every_kind() {
     let cost = barwave(folder, "cost", "spheres-restitution.toml", &[], &[]);
     assert_eq!(cost.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&cost.stderr).contains("closed form"));
+    for name in ["spheres.toml", "plate.toml", "beam.toml"] {
+        let cost = barwave(folder, "cost", name, &[], &["--measure", "peak-force"]);
+        let message = String::from_utf8_lossy(&cost.stderr);
+        assert_eq!(cost.status.code(), Some(2), "{name}");
+        assert!(message.contains("`--measure`") && message.contains("are those of waves in a bar"), "{message}");
+    }
     let stability = Command::new(env!("CARGO_BIN_EXE_barwave")).arg("stability").arg(scene("beam.toml")).output();
     assert_eq!(stability.expect("it starts").status.code(), Some(2));
 }

@@ -156,7 +156,12 @@ impl Units {
             return Unit::new(1.0, "");
         };
         let scale = scale_for(most, dimension, self.system());
-        Unit::new(1.0 / scale.si, if scale.symbol == "um" { "\u{b5}m" } else { scale.symbol })
+        let symbol = match scale.symbol {
+            "um" => "\u{b5}m",
+            "us" => "\u{b5}s",
+            other => other,
+        };
+        Unit::new(1.0 / scale.si, symbol)
     }
 
     /// For a recorded field.

@@ -510,6 +510,8 @@ fn reports_plans_and_cost_studies_are_there_for_every_kind() {
         let text = std::fs::read_to_string(folder.join("r.html")).expect("a page");
         assert!(text.contains(panel) && text.contains("energy"), "{name}");
         assert!(text.contains("equation") && text.contains("validity"), "{name}");
+        // Units in print, in the figures as in the panels.
+        assert!(name != "plate.toml" || text.contains(" \u{b5}s</td>") && !text.contains(" us</td>"), "{name}");
         // Counts are whole numbers.
         assert!(name != "beam.toml" || text.contains("modes of the beam</th><td>64</td>"), "{name}");
         assert!(name != "beam.toml" || text.contains("gauge middle: deflection of largest magnitude</th>"), "{name}");

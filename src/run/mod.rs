@@ -41,9 +41,9 @@ use crate::material::{Material, Sense};
 use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer, check_output};
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
-    FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records, ResidualProfile,
-    RuptureSummary, SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary, Twisted, View,
-    above_critical,
+    Fragment, FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records,
+    ResidualProfile, RuptureSummary, SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary,
+    Twisted, View, above_critical,
 };
 use crate::scene::{Effects, Scene, Torsion};
 use crate::snapshot::Snapshot;
@@ -321,6 +321,7 @@ struct RunResults {
     temperature_rise: Option<f64>,
     /// The simulated segments.
     segments: Vec<SegmentEnd>,
+    fragments: Vec<Fragment>,
     residual_profile: ResidualProfile,
     account: Account,
     contacts: Vec<ContactReading>,
@@ -619,6 +620,7 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
         strikers: [results.ends[0].striker, results.ends[1].striker],
         breaks: (0..segments.len() - 1).map(|k| breaks(segments, results.ruptures.as_deref(), k)).collect(),
         broken: results.parted(),
+        fragments: results.fragments.clone(),
     }
     .figures()
 }

@@ -14,8 +14,8 @@ use crate::bar::Segment;
 use crate::error::{Error, Result, RunError};
 use crate::law::rupture::{Rupture, Site};
 use crate::record::{
-    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Frames, FrontTracker, JointRows,
-    Ledger, LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
+    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Fragment, Frames, FrontTracker,
+    JointRows, Ledger, LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
 };
 use crate::scene::Rate;
 use crate::simulate::{Interval, Simulation, simulate};
@@ -343,6 +343,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
             segments: self.segments(),
+            fragments: self.fragments(),
             residual_profile: self.residual_profile(),
             account: self.bar.account(),
             contacts: self.bar.contacts(),
@@ -425,6 +426,25 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             end
         };
         self.recorder.scene.bar.segments.iter().zip(&self.bar.grid().segments).map(segment).collect()
+    }
+
+    /// The pieces of a broken bar now. A pass over all cells.
+    fn fragments(&self) -> Vec<Fragment> {
+        let bar = &self.recorder.scene.bar;
+        let mut fragments = record::fragments(bar.length(), self.bar.ruptures());
+        if fragments.is_empty() {
+            return fragments;
+        }
+        let mut velocity = vec![0.0; self.centres.len()];
+        self.bar.profile(Quantity::Velocity, &mut velocity);
+        for (segment, part) in bar.segments.iter().zip(&self.bar.grid().segments) {
+            for cell in part.cells.clone() {
+                let [from, to] = part.cell(cell);
+                let mass = segment.material.density * segment.mean_area(from, to) * part.dx;
+                record::add_to_fragments(&mut fragments, self.centres[cell], [mass, velocity[cell]]);
+            }
+        }
+        fragments
     }
 
     fn audit(&self) -> Vec<AuditRow> {

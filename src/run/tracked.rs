@@ -12,8 +12,9 @@ use crate::accuracy::FrontListener;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
-    self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Extreme, Field, Ledger, LedgerSummary,
-    Paths, ResidualProfile, SegmentEnd, StepGauges, Summary, Trace, TrackedFronts, TrackingSummary, Twisted, View,
+    self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Extreme, Field, Fragment, Ledger,
+    LedgerSummary, Paths, ResidualProfile, SegmentEnd, StepGauges, Summary, Trace, TrackedFronts, TrackingSummary,
+    Twisted, View,
 };
 use crate::scene::Scene;
 use crate::simulate::{Interval, Simulation, simulate};
@@ -324,6 +325,7 @@ impl<'a> Run<'a> {
             ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
             segments: self.segments(),
+            fragments: self.fragments(),
             residual_profile: self.residual_profile(),
             account: self.bar.account(),
             contacts: View::contacts(&self.bar),
@@ -418,6 +420,16 @@ impl<'a> Run<'a> {
             });
         }
         segments
+    }
+
+    /// The pieces of a broken bar now.
+    fn fragments(&self) -> Vec<Fragment> {
+        let mut fragments = record::fragments(self.recorder.scene.bar.length(), self.bar.ruptures());
+        for piece in self.bar.pieces() {
+            let motion = [self.bar.mass_of(&piece), piece.point.velocity];
+            record::add_to_fragments(&mut fragments, 0.5 * (piece.from + piece.to), motion);
+        }
+        fragments
     }
 
     fn audit(&self) -> Vec<AuditRow> {

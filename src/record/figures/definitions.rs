@@ -3,6 +3,7 @@
 
 use super::Figure;
 use super::contact::Site;
+use super::fragment::Fragment;
 use super::key;
 use super::records::Part;
 use super::tally::Gauge;
@@ -176,6 +177,27 @@ pub(super) static JOINT: &[Definition<Site>] = &[
     ),
 ];
 
+/// Of the fragments of a broken bar, each with whether the scene gives an area.
+pub(super) static FRAGMENT: &[Definition<(Fragment, bool)>] = &[
+    row(("position", Dimension::Length, "from x ="), "left end in the undeformed bar", |(fragment, _)| {
+        Some(fragment.place[0])
+    }),
+    row(("length", Dimension::Length, "length"), "length in the undeformed bar", |(fragment, _)| {
+        Some(fragment.place[1] - fragment.place[0])
+    }),
+    row(("mass", Dimension::Mass, "mass"), "mass; needs an area", |&(fragment, has_area)| {
+        has_area.then_some(fragment.mass)
+    }),
+    row(("velocity", Dimension::Velocity, "velocity"), "mass-mean velocity at the end of the run", |(fragment, _)| {
+        (fragment.mass > 0.0).then(|| fragment.momentum / fragment.mass + 0.0)
+    }),
+    row(
+        ("kinetic_energy", Dimension::Energy, "kinetic energy"),
+        "kinetic energy at the end of the run, with that of its vibration; needs an area",
+        |&(fragment, has_area)| has_area.then_some(fragment.kinetic),
+    ),
+];
+
 /// Of gauges.
 pub(super) static GAUGE: &[Definition<Gauge>] = &[
     row(("peak_stress", Dimension::Stress, "peak stress"), "stress of largest magnitude with its sign", |gauge| {
@@ -210,6 +232,7 @@ pub fn definitions() -> Vec<[String; 4]> {
         rows("`left`, `right`, `joints.N`", LOAD),
         rows("`left`, `right`", END),
         rows("`joints.N`", JOINT),
+        rows("`fragments.N`", FRAGMENT),
         rows("`gauges.NAME`", GAUGE),
     ];
     tables.concat()

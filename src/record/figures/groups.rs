@@ -1,10 +1,13 @@
 //! The figures of a run, place by place.
 
 use super::contact::{Site, sites};
-use super::definitions::{END, Figured, GAUGE, JOINT, LOAD, PART, RESIDUAL_PROFILE};
+use super::definitions::{END, FRAGMENT, Figured, GAUGE, JOINT, LOAD, PART, RESIDUAL_PROFILE};
 use super::records::{Part, Records, SegmentEnd};
 use super::{Figures, Group, Profile};
 use crate::bar::Joint;
+
+/// Most fragments of which summaries tell.
+const MOST_TOLD: usize = 12;
 
 impl Records<'_> {
     /// The figures that exist.
@@ -25,6 +28,11 @@ impl Records<'_> {
         if self.segments.len() > 1 {
             groups.extend((0..self.segments.len()).map(|k| self.segment(k)));
         }
+        groups.extend(self.fragments.iter().enumerate().map(|(k, fragment)| {
+            let number = (k + 1).to_string();
+            let figures = FRAGMENT.figures(&(*fragment, self.bar.area_given));
+            group(&["fragments", &number], &format!("fragment {number}"), k < MOST_TOLD, figures)
+        }));
         groups.retain(|group| !group.figures.is_empty());
         Figures(groups)
     }

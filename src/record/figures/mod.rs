@@ -5,6 +5,7 @@
 
 mod contact;
 mod definitions;
+mod fragment;
 mod groups;
 mod profile;
 mod records;
@@ -14,6 +15,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 pub use definitions::{Definition, definitions};
+pub use fragment::{Fragment, add_to_fragments, fragments};
 pub use profile::ResidualProfile;
 pub use records::{Records, SegmentEnd};
 pub use tally::{Extreme, Tally};

@@ -1,5 +1,6 @@
 //! The records from which the figures of a run are computed.
 
+use super::fragment::Fragment;
 use super::tally::{Extreme, Tally};
 use crate::bar::{Bar, EndCondition};
 use crate::record::{Account, ContactReading};
@@ -64,6 +65,8 @@ pub struct Records<'a> {
     pub breaks: Vec<Extreme>,
     /// The bar broke.
     pub broken: bool,
+    /// The pieces that are left of it then, from the left.
+    pub fragments: Vec<Fragment>,
 }
 
 /// A part of the bar, or all of it, at the end.

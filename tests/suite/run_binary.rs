@@ -342,7 +342,7 @@ fn taylor_cylinder() {
     let folder = tempfile::tempdir().expect("a folder");
     let sets = ["--set", "effects.rate=material", "--set", "effects.lateral-inertia=true", "--set", "solve.method=fd"];
     let scene = runs().join("taylor-6061-t6.toml").display().to_string();
-    let output = barwave(folder.path(), &[&["run", &scene], &sets[..]].concat());
+    let output = barwave(folder.path(), &[&["run", &scene, "-o", "out.h5"], &sets[..]].concat());
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("final length"), "{text}{}", String::from_utf8_lossy(&output.stderr));
 }

@@ -11,8 +11,8 @@ use crate::units::{Dimension, System, format, in_units};
 /// Segments whose plastic strain is smaller on the mean are listed without a length.
 const LEAST_STRAIN: f64 = 1e-6;
 
-/// Fronts that the summary lists one by one; a curve of many knots has as many fronts.
-const LISTED_FRONTS: usize = 12;
+/// Fronts, and ruptures, that the summary lists one by one; a curve of many knots has as many fronts.
+const LISTED: usize = 12;
 
 /// The whole summary.
 pub(super) fn text(s: &Summary, units: System) -> String {
@@ -109,8 +109,12 @@ fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
     if let Some(rise) = s.temperature_rise {
         lines.add("heat", std::format!("temperature rise up to {rise:.4} K"));
     }
-    for rupture in s.ruptures.iter().flatten() {
+    let ruptures = s.ruptures.as_deref().unwrap_or_default();
+    for rupture in ruptures.iter().take(LISTED) {
         lines.add("rupture", rupture_text(rupture, units));
+    }
+    if ruptures.len() > LISTED {
+        lines.add("", std::format!("... and {} more; --json lists all", ruptures.len() - LISTED));
     }
 }
 
@@ -272,13 +276,13 @@ pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String>
     let seen = fronts.iter().any(|front| front.speed_measured.is_some() || front.position.is_some());
     let columns = if seen { wide.len() } else { wide.len() - 2 };
     let row = |front| front_row(front, units).into_iter().take(columns).collect();
-    let rows: Vec<Vec<String>> = fronts.iter().take(LISTED_FRONTS).map(row).collect();
+    let rows: Vec<Vec<String>> = fronts.iter().take(LISTED).map(row).collect();
     let headings = if is_wide { &wide[..columns] } else { &narrow[..columns] };
     let table = width::within(limit, headings, &rows, (1, false));
     let mut lines: Vec<String> =
         table.lines().map(|line| std::format!("{INDENT}{line}").trim_end().to_owned()).collect();
-    if fronts.len() > LISTED_FRONTS {
-        lines.push(std::format!("  ... and {} more; --json lists all", fronts.len() - LISTED_FRONTS));
+    if fronts.len() > LISTED {
+        lines.push(std::format!("  ... and {} more; --json lists all", fronts.len() - LISTED));
     }
     lines
 }

@@ -2,8 +2,13 @@
 
 use crate::common::methods;
 
+use std::ops::ControlFlow;
+use std::path::Path;
+
 use barwave::record::Field;
 use barwave::record::LedgerRow;
+use barwave::run;
+use barwave::scene::Scene;
 use methods::{AREA, BILINEAR, METHODS, Method, assert_ledger, finished, impedance};
 
 /// Impedance of the second bar over that of the first.
@@ -217,5 +222,24 @@ fn mirror_images_are_equal() {
             let apart = apart(&bar, &image);
             assert!(apart < 1e-12, "{}: {apart:e}", method.0);
         }
+    }
+}
+
+/// A gauge on a joint of unlike sections had the stress to its left by leapfrog and the Godunov scheme, and that to its right by front tracking.
+#[test]
+fn a_gauge_on_a_joint_has_the_state_to_its_right_by_every_method() {
+    let steel = "material = { name = \"s\", density = 8000, modulus = 200e9, beyond = \"extend\", curve = { table = [[0.01, 2e9]] } }";
+    let text = format!(
+        "[[bar.segment]]\nlength = 0.1\narea = 4e-4\n{steel}\n[[bar.segment]]\nlength = 0.2\narea = 4e-4\n{steel}\n\
+         [[bar.segment]]\nlength = 0.2\narea = 1e-4\n{steel}\n[left]\nkind = \"stress\"\nvalue = -100e6\n\
+         [right]\nkind = \"absorbing\"\n[record]\nframes = 1\ngauges = {{ step = 0.3 }}\n"
+    );
+    for solve in ["method = \"moc\"", "cells = 500", "cells = 500\nscheme = \"muscl\""] {
+        let text = format!("{text}[solve]\nuntil = 8e-5\n{solve}\n");
+        let scene = Scene::parse("joint", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
+        let solution = run::solve(&scene, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+        let last = solution.gauges["step"].stress.last().expect("rows");
+        // The force is 2/(1 + 4) of twice the incoming one; the thin rod has a quarter of the section.
+        assert!((last / -160e6 - 1.0).abs() < 1e-3, "{solve}: {last:e}");
     }
 }

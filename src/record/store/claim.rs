@@ -102,6 +102,12 @@ impl Claim {
         Ok(Self { path: path.to_owned(), file, reserved: 0 })
     }
 
+    /// The same once more.
+    pub fn share(&self) -> hdf5::Result<Self> {
+        let file = self.file.try_clone().map_err(|e| hdf5::Error::from(e.to_string().as_str()))?;
+        Ok(Self { path: self.path.clone(), file, reserved: self.reserved })
+    }
+
     /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path

@@ -68,6 +68,10 @@ struct Frames {
     blocks: Vec<Vec<f64>>,
 }
 
+/// Pauses in which a run waits for its own new file.
+const PATIENCE: usize = 200;
+const PAUSE: std::time::Duration = std::time::Duration::from_millis(5);
+
 /// One-dimensional columns of equal length that grow together; the first is time.
 #[derive(Debug)]
 struct Table {
@@ -82,22 +86,32 @@ impl Sink {
     /// Builds the file beside its final place, then moves it there.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
         let claim = in_place(path, |file| build(file, header, layout, materials))?;
-        Self::claimed(path, claim, layout)
+        Self::claimed(path, &claim, layout, PATIENCE)
     }
 
     /// Opens the file of a run and truncates it to a checkpoint.
     pub fn resume(path: &Path, layout: &Layout, checkpoint: &Checkpoint) -> Result<Self> {
         let place = destination::resolve(path)?;
         let claim = Claim::new(&place, &place).map_err(|e| Error::file(path, e))?;
-        let mut sink = Self::claimed(path, claim, layout)?;
+        let mut sink = Self::claimed(path, &claim, layout, 0)?;
         sink.reserve(0)?;
         sink.cut(checkpoint).map_err(|e| Error::file(path, format!("the file cannot be resumed: {e}")))?;
         remove_unnamed(&place);
         Ok(sink)
     }
 
-    fn claimed(path: &Path, claim: Claim, layout: &Layout) -> Result<Self> {
-        let sink = Self::open(path, claim, layout).map_err(|e| {
+    /// `patience`: how many times it waits for one that has opened this file for its own, and is about to find that it is not.
+    fn claimed(path: &Path, claim: &Claim, layout: &Layout, patience: usize) -> Result<Self> {
+        let open = || Self::open(path, claim.share()?, layout);
+        let mut opened = open();
+        for _ in 0..patience {
+            if !opened.as_ref().is_err_and(is_locked) || claim.holds().is_err() {
+                break;
+            }
+            std::thread::sleep(PAUSE);
+            opened = open();
+        }
+        let sink = opened.map_err(|e| {
             let locked = is_locked(&e).then(|| "another run writes this file".to_owned());
             let gone = (!path.exists()).then(|| GONE.to_owned());
             Error::file(path, locked.or(gone).unwrap_or_else(|| e.to_string()))

@@ -10,6 +10,9 @@ use crate::bar::{Bar, Segment};
 /// Transit times of cells that differ by this part of them at most are equal but for the rounding of numbers.
 const ROUND_OFF: f64 = 1e-14;
 
+/// Part of a place within which it is that of a joint, which is a sum of lengths.
+const SAME_PLACE: f64 = 1e-9;
+
 /// One segment's part of the grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SegmentGrid {
@@ -138,9 +141,9 @@ impl Grid {
         segment.x0 + (node - segment.cells.start) as f64 * segment.spacing
     }
 
-    /// The segment that holds place `x` (the left one at a joint).
+    /// The segment that holds place `x` (the right one at a joint, as by front tracking).
     pub fn segment_at(&self, x: f64) -> usize {
-        let after = self.segments.partition_point(|s| s.x0 < x);
+        let after = self.segments.partition_point(|s| s.x0 <= x * (1.0 + SAME_PLACE));
         after.max(1) - 1
     }
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::keys::Keys;
 use super::laws::{Constant, LawKeys, laws};
+use super::torsion::ROOT_3;
 use super::{HeatConstants, Material};
 use crate::error::Result;
 use crate::input::Document;
@@ -136,13 +137,12 @@ impl Rate {
     /// rate. `ratio` is the shear modulus over Young's.
     #[must_use]
     pub fn in_shear(self, ratio: f64) -> Self {
-        let root = 3.0_f64.sqrt();
         match self {
             Self::Malvern { k } => Self::Malvern { k: 3.0 * ratio * k },
-            Self::CowperSymonds { d, q } => Self::CowperSymonds { d: root * d, q },
-            Self::JohnsonCook { c, reference } => Self::JohnsonCook { c, reference: root * reference },
+            Self::CowperSymonds { d, q } => Self::CowperSymonds { d: ROOT_3 * d, q },
+            Self::JohnsonCook { c, reference } => Self::JohnsonCook { c, reference: ROOT_3 * reference },
             Self::ZerilliArmstrong { c1, c3, c4, reference } => {
-                Self::ZerilliArmstrong { c1: c1 / root, c3: c3 + c4 * root.ln(), c4, reference: root * reference }
+                Self::ZerilliArmstrong { c1: c1 / ROOT_3, c3: c3 + c4 * ROOT_3.ln(), c4, reference: ROOT_3 * reference }
             }
             Self::Material => self,
         }

@@ -23,7 +23,7 @@ pub const TORSION_TOLERANCE: f64 = 1e-4;
 /// Largest distance in stress of a shear curve from the tension curve it is converted from, over its largest stress.
 pub const SHEAR_TOLERANCE: f64 = 3e-5;
 
-const ROOT_3: f64 = 1.732_050_807_568_877_2;
+pub(super) const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
 /// Upper limit of the integration of an unbounded curve, relative to its last strain: the core then contributes less than
 /// 1/8^3 of the error of the nominal slope.

@@ -36,8 +36,8 @@ pub use checks::{ElasticProbe, against_similarity, alone, similar_stress};
 pub use end_rows::EndRows;
 pub use error_table::{ErrorTable, Measure, Worst};
 pub use figures::{
-    Extreme, Figure, Figures, Fragment, Group, Profile, Records, ResidualProfile, SegmentEnd, Tally, add_to_fragments,
-    definitions, dimension_of, fragments, without_unit,
+    Extreme, Figure, Figures, Fragments, Group, Profile, Records, ResidualProfile, SegmentEnd, Tally, definitions,
+    dimension_of, without_unit,
 };
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
@@ -107,6 +107,15 @@ impl Field {
             Self::Twist => Self::Strain,
             Self::AngularVelocity => Self::Velocity,
             field => field,
+        }
+    }
+
+    /// The effect without which it does not exist, a key of the scene's `[effects]`.
+    pub fn needs(self) -> Option<&'static str> {
+        match self {
+            Self::PlasticStrain | Self::AccumulatedPlasticStrain => Some("hardening"),
+            Self::Temperature => Some("heat"),
+            _ => None,
         }
     }
 

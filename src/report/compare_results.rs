@@ -21,8 +21,9 @@ pub fn figure(files: &[ResultFile], differences: &[Difference], field: Option<Fi
     let shown = field.or_else(|| differences.first()?.fields.first().map(|f| f.field));
     let mut panels = Vec::new();
     if let Some(field) = shown {
-        panels.extend(profiles(files, &names, differences, field)?);
-        panels.push(difference_in_time(&names, differences, (field, files[0].is_in_torsion())));
+        let labelled = (field, files[0].is_in_torsion());
+        panels.extend(profiles(files, &names, differences, labelled)?);
+        panels.push(difference_in_time(&names, differences, labelled));
     }
     panels.extend(histories(files, &names)?);
     Ok(draw("Results side by side", &panels))
@@ -38,11 +39,16 @@ fn unit_label(field: Field, torsion: bool) -> (Unit, String) {
 }
 
 /// The field along the bar at the time of the largest difference of all.
-fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: Field) -> Result<Option<Panel>> {
+fn profiles(
+    files: &[ResultFile],
+    names: &[String],
+    all: &[Difference],
+    (field, torsion): (Field, bool),
+) -> Result<Option<Panel>> {
     let largest = all.iter().flat_map(|d| d.fields.iter().filter(|f| f.field == field));
     let largest = largest.max_by(|a, b| a.norms.max.value.total_cmp(&b.norms.max.value));
     let Some(largest) = largest.map(|f| f.largest) else { return Ok(None) };
-    let (unit, label) = unit_label(field, files[0].is_in_torsion());
+    let (unit, label) = unit_label(field, torsion);
     let mut series = Vec::new();
     for (i, file) in files.iter().enumerate().filter(|(_, file)| file.fields().contains(&field)) {
         let values = profile_at(file, field, largest.time_s)?;
@@ -52,7 +58,7 @@ fn profiles(files: &[ResultFile], names: &[String], all: &[Difference], field: F
     zoom(&mut series);
     let heading = format!(
         "{}, largest difference: at {:.4} m, {:.2} \u{b5}s",
-        field_name(field, files[0].is_in_torsion()),
+        field_name(field, torsion),
         largest.x_m,
         1e6 * largest.time_s
     );

@@ -203,11 +203,8 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
     };
     let stored = &file.metadata().energy_units;
     let energy = units.energy(stored);
-    let momentum = match (file.is_in_torsion(), stored.as_str()) {
-        (true, _) => " N\u{b7}m\u{b7}s",
-        (false, "J") => " N\u{b7}s",
-        (false, _) => " N\u{b7}s/m\u{b2}",
-    };
+    let units = file.momentum_units().replace(' ', "\u{b7}").replace("^2", "\u{b2}");
+    let momentum = |value: f64| format!("{} {units}", four_digits(value));
     let residual = rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
     let mut values: Vec<(&str, String)> = Energies::COLUMNS
         .iter()
@@ -218,8 +215,8 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("work of the left end", energy.show(last.work_left)),
         ("work of the right end", energy.show(last.work_right)),
         ("largest energy residual, relative", format!("{residual:.1e}")),
-        ("momentum at the end", four_digits(last.energies.momentum) + momentum),
-        ("impulse on the bar", four_digits(last.impulse) + momentum),
+        ("momentum at the end", momentum(last.energies.momentum)),
+        ("impulse on the bar", momentum(last.impulse)),
     ]);
     Ok(table("Ledger", &[], &values.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect::<Vec<_>>()))
 }

@@ -10,7 +10,7 @@ use super::grid::{DASHES, Panel, draw_from};
 use super::panel::Series;
 use super::plot::colour;
 use crate::record::{dimension_of, without_unit};
-use crate::study::sweep::{Combine, Plan, Row, Status};
+use crate::study::sweep::{Axis, Combine, Plan, Row, Status};
 
 /// Metrics that are drawn where the sweep file names none.
 const USUAL: [&str; 10] = [
@@ -38,11 +38,18 @@ const LESS_TELLING: [&str; 3] = [".", "first_contact_", "half_sine_"];
 /// Each metric that is a number in two cases at least, against the longest axis of numbers, with a line for every combination of the others.
 /// None where there is nothing to draw. SVG text.
 pub fn figure(title: &str, plan: &Plan, rows: &[Row]) -> Option<Picture> {
-    let numbers = |k: &usize| plan.axes[*k].levels.iter().all(|level| level.si.is_some());
-    let along = (0..plan.axes.len()).rev().filter(numbers).max_by_key(|k| plan.axes[*k].levels.len())?;
+    let along = (0..plan.axes.len())
+        .rev()
+        .filter(|&k| has_numbers(&plan.axes[k]))
+        .max_by_key(|k| plan.axes[*k].levels.len())?;
     let panels: Vec<Panel> =
         metrics(plan, rows).iter().filter_map(|metric| panel(plan, rows, along, metric)).take(MOST).collect();
     (!panels.is_empty()).then(|| draw_from(title, &panels, None))
+}
+
+/// All its values are numbers.
+fn has_numbers(axis: &Axis) -> bool {
+    axis.levels.iter().all(|level| level.si.is_some())
 }
 
 /// Those of the sweep file, else the usual ones of bars, else all numbers.
@@ -94,11 +101,8 @@ fn panel(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Option<Panel>
 /// Names the other axes of numbers that change from case to case with the one that is drawn along.
 fn varied_with(plan: &Plan, along: usize) -> String {
     let varies = |k: &usize| {
-        let levels = &plan.axes[*k].levels;
-        *k != along
-            && plan.combine != Combine::Product
-            && levels.len() > 1
-            && levels.iter().all(|level| level.si.is_some())
+        let axis = &plan.axes[*k];
+        *k != along && plan.combine != Combine::Product && axis.levels.len() > 1 && has_numbers(axis)
     };
     let others = (0..plan.axes.len()).filter(varies).map(|k| spoken_key(&plan.axes[k].key, &plan.axes[k].unit));
     match &others.collect::<Vec<_>>()[..] {

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use super::{Progress, Target, accurate, estimate};
 use crate::error::{Error, Result};
-use crate::record::{AuditRow, AutoChoice, Field, Summary};
+use crate::record::{AuditRow, AutoChoice, Summary};
 use crate::scene::Scene;
 
 /// How each effect is written into a scene. Those that need constants take the materials' own.
@@ -55,13 +55,12 @@ fn with_recorded(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlo
     if scene.auto.is_none() || !choices(scene).is_empty() {
         return Ok(scene.clone());
     }
-    let of = |fields: &[Field], effect: &str| {
-        let field = scene.record.fields.iter().find(|field| fields.contains(field))?;
+    let needs = |(effect, _): &(&str, &str)| {
+        let field = scene.record.fields.iter().find(|field| field.needs() == Some(effect))?;
         let why = format!("`{}` is recorded", field.name());
-        Some(AutoChoice { effect: effect.to_owned(), on: true, why, estimate: f64::INFINITY, round: 0 })
+        Some(AutoChoice { effect: (*effect).to_owned(), on: true, why, estimate: f64::INFINITY, round: 0 })
     };
-    let plastic = of(&[Field::PlasticStrain, Field::AccumulatedPlasticStrain], "hardening");
-    let needed: Vec<AutoChoice> = plastic.into_iter().chain(of(&[Field::Temperature], "heat")).collect();
+    let needed: Vec<AutoChoice> = WRITTEN.iter().filter_map(needs).collect();
     if needed.is_empty() {
         return Ok(scene.clone());
     }

@@ -41,7 +41,7 @@ use crate::material::{Material, Sense};
 use crate::record::store::{Checkpoint, Header, Layout, RunFigures, Side, Writer, check_output};
 use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
-    Fragment, FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records,
+    Fragments, FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records,
     ResidualProfile, RuptureSummary, SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary,
     Twisted, View, above_critical,
 };
@@ -321,7 +321,7 @@ struct RunResults {
     temperature_rise: Option<f64>,
     /// The simulated segments.
     segments: Vec<SegmentEnd>,
-    fragments: Vec<Fragment>,
+    fragments: Fragments,
     residual_profile: ResidualProfile,
     account: Account,
     contacts: Vec<ContactReading>,
@@ -620,7 +620,7 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
         strikers: [results.ends[0].striker, results.ends[1].striker],
         breaks: (0..segments.len() - 1).map(|k| breaks(segments, results.ruptures.as_deref(), k)).collect(),
         broken: results.parted(),
-        fragments: results.fragments.clone(),
+        fragments: &results.fragments,
     }
     .figures()
 }

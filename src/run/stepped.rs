@@ -14,7 +14,7 @@ use crate::bar::Segment;
 use crate::error::{Error, Result, RunError};
 use crate::law::rupture::{Rupture, Site};
 use crate::record::{
-    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Fragment, Frames, FrontTracker,
+    self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Fragments, Frames, FrontTracker,
     JointRows, Ledger, LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
 };
 use crate::scene::Rate;
@@ -323,6 +323,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         };
         self.traces.close();
         self.write_traces()?;
+        let (segments, fragments) = self.parts();
         let results = RunResults {
             cells: self.bar.grid().cells(),
             steps: self.bar.step(),
@@ -342,8 +343,8 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             ruptured: self.limits.iter().any(|limit| limit.broken(self.recorder.scene).is_some()),
             ruptures: self.recorder.ruptures(&self.bar),
             temperature_rise: self.temperature_rise(),
-            segments: self.segments(),
-            fragments: self.fragments(),
+            segments,
+            fragments,
             residual_profile: self.residual_profile(),
             account: self.bar.account(),
             contacts: self.bar.contacts(),
@@ -399,8 +400,10 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         profile
     }
 
-    /// The segments now. A pass over all cells.
-    fn segments(&self) -> Vec<SegmentEnd> {
+    /// The segments now, and the pieces of a broken bar. A pass over all cells.
+    fn parts(&self) -> (Vec<SegmentEnd>, Fragments) {
+        let bar = &self.recorder.scene.bar;
+        let mut fragments = Fragments::new(bar.length(), self.bar.ruptures());
         let profile = |quantity| {
             let mut values = vec![0.0; self.centres.len()];
             self.bar.profile(quantity, &mut values);
@@ -413,6 +416,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             for cell in part.cells.clone() {
                 let [from, to] = part.cell(cell);
                 let mass = segment.material.density * segment.mean_area(from, to) * part.dx;
+                fragments.add(self.centres[cell], mass, velocity[cell]);
                 end.add(&SegmentEnd {
                     elongation: part.dx * strain[cell],
                     plastic_elongation: part.dx * plastic[0][cell],
@@ -425,26 +429,8 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             }
             end
         };
-        self.recorder.scene.bar.segments.iter().zip(&self.bar.grid().segments).map(segment).collect()
-    }
-
-    /// The pieces of a broken bar now. A pass over all cells.
-    fn fragments(&self) -> Vec<Fragment> {
-        let bar = &self.recorder.scene.bar;
-        let mut fragments = record::fragments(bar.length(), self.bar.ruptures());
-        if fragments.is_empty() {
-            return fragments;
-        }
-        let mut velocity = vec![0.0; self.centres.len()];
-        self.bar.profile(Quantity::Velocity, &mut velocity);
-        for (segment, part) in bar.segments.iter().zip(&self.bar.grid().segments) {
-            for cell in part.cells.clone() {
-                let [from, to] = part.cell(cell);
-                let mass = segment.material.density * segment.mean_area(from, to) * part.dx;
-                record::add_to_fragments(&mut fragments, self.centres[cell], [mass, velocity[cell]]);
-            }
-        }
-        fragments
+        let segments = bar.segments.iter().zip(&self.bar.grid().segments).map(segment).collect();
+        (segments, fragments)
     }
 
     fn audit(&self) -> Vec<AuditRow> {

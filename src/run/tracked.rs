@@ -12,7 +12,7 @@ use crate::accuracy::FrontListener;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
-    self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Extreme, Field, Fragment, Ledger,
+    self, Audit, AuditRow, ElasticProbe, EndHistories, EndSummary, ErrorFigure, Extreme, Field, Fragments, Ledger,
     LedgerSummary, Paths, ResidualProfile, SegmentEnd, StepGauges, Summary, Trace, TrackedFronts, TrackingSummary,
     Twisted, View,
 };
@@ -423,11 +423,10 @@ impl<'a> Run<'a> {
     }
 
     /// The pieces of a broken bar now.
-    fn fragments(&self) -> Vec<Fragment> {
-        let mut fragments = record::fragments(self.recorder.scene.bar.length(), self.bar.ruptures());
+    fn fragments(&self) -> Fragments {
+        let mut fragments = Fragments::new(self.recorder.scene.bar.length(), self.bar.ruptures());
         for piece in self.bar.pieces() {
-            let motion = [self.bar.mass_of(&piece), piece.point.velocity];
-            record::add_to_fragments(&mut fragments, 0.5 * (piece.from + piece.to), motion);
+            fragments.add(0.5 * (piece.from + piece.to), self.bar.mass_of(&piece), piece.point.velocity);
         }
         fragments
     }

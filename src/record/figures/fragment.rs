@@ -15,25 +15,37 @@ pub struct Fragment {
     pub kinetic: f64,
 }
 
-/// Those of a bar of this length (m), at rest; none where it has not broken.
-pub fn fragments(length: f64, ruptures: &[Rupture]) -> Vec<Fragment> {
-    let mut borders: Vec<f64> = ruptures.iter().map(|rupture| rupture.x).collect();
-    borders.retain(|&x| 0.0 < x && x < length);
-    if borders.is_empty() {
-        return Vec::new();
-    }
-    borders.extend([0.0, length]);
-    borders.sort_by(f64::total_cmp);
-    borders.dedup();
-    borders.windows(2).map(|ends| Fragment { place: [ends[0], ends[1]], ..Fragment::default() }).collect()
-}
+/// The pieces of a broken bar, from the left; none of a whole one.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Fragments(Vec<Fragment>);
 
-/// Adds a part of the bar around the place `x` (m), of this mass (kg) and velocity (m/s).
-pub fn add_to_fragments(fragments: &mut [Fragment], x: f64, [mass, velocity]: [f64; 2]) {
-    let k = fragments.partition_point(|fragment| fragment.place[1] <= x);
-    if let Some(fragment) = fragments.get_mut(k) {
-        fragment.mass += mass;
-        fragment.momentum += mass * velocity;
-        fragment.kinetic += 0.5 * mass * velocity * velocity;
+impl Fragments {
+    /// Of a bar of this length (m), nothing of which is added yet.
+    pub fn new(length: f64, ruptures: &[Rupture]) -> Self {
+        let mut borders: Vec<f64> = ruptures.iter().map(|rupture| rupture.x).collect();
+        borders.retain(|&x| 0.0 < x && x < length);
+        if borders.is_empty() {
+            return Self::default();
+        }
+        borders.extend([0.0, length]);
+        borders.sort_by(f64::total_cmp);
+        borders.dedup();
+        let fragment = |ends: &[f64]| Fragment { place: [ends[0], ends[1]], ..Fragment::default() };
+        Self(borders.windows(2).map(fragment).collect())
+    }
+
+    /// Adds a part of the bar around the place `x` (m), of this mass (kg) and velocity (m/s).
+    pub fn add(&mut self, x: f64, mass: f64, velocity: f64) {
+        let k = self.0.partition_point(|fragment| fragment.place[1] <= x);
+        if let Some(fragment) = self.0.get_mut(k) {
+            fragment.mass += mass;
+            fragment.momentum += mass * velocity;
+            fragment.kinetic += 0.5 * mass * velocity * velocity;
+        }
+    }
+
+    /// Each of them.
+    pub fn all(&self) -> &[Fragment] {
+        &self.0
     }
 }

@@ -28,7 +28,7 @@ impl Records<'_> {
         if self.segments.len() > 1 {
             groups.extend((0..self.segments.len()).map(|k| self.segment(k)));
         }
-        groups.extend(self.fragments.iter().enumerate().map(|(k, fragment)| {
+        groups.extend(self.fragments.all().iter().enumerate().map(|(k, fragment)| {
             let number = (k + 1).to_string();
             let figures = FRAGMENT.figures(&(*fragment, self.bar.area_given));
             group(&["fragments", &number], &format!("fragment {number}"), k < MOST_TOLD, figures)

@@ -15,7 +15,7 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 pub use definitions::{Definition, definitions};
-pub use fragment::{Fragment, add_to_fragments, fragments};
+pub use fragment::Fragments;
 pub use profile::ResidualProfile;
 pub use records::{Records, SegmentEnd};
 pub use tally::{Extreme, Tally};

@@ -1,6 +1,6 @@
 //! The records from which the figures of a run are computed.
 
-use super::fragment::Fragment;
+use super::fragment::Fragments;
 use super::tally::{Extreme, Tally};
 use crate::bar::{Bar, EndCondition};
 use crate::record::{Account, ContactReading};
@@ -66,7 +66,7 @@ pub struct Records<'a> {
     /// The bar broke.
     pub broken: bool,
     /// The pieces that are left of it then, from the left.
-    pub fragments: Vec<Fragment>,
+    pub fragments: &'a Fragments,
 }
 
 /// A part of the bar, or all of it, at the end.

@@ -196,9 +196,7 @@ fn build_ledger(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
         let units = match (name, layout.area_given) {
             ("time", _) => "s",
             ("residual", _) => "1",
-            ("momentum" | "impulse", _) if twisted => "N m s",
-            ("momentum" | "impulse", true) => "N s",
-            ("momentum" | "impulse", false) => "N s/m^2",
+            ("momentum" | "impulse", area_given) => momentum_units(twisted, area_given),
             (_, area_given) => energy_units(area_given),
         };
         let long_name = match name {
@@ -209,6 +207,14 @@ fn build_ledger(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
         [name, units, long_name]
     });
     build_columns(&file.create_group("ledger")?, &columns.collect::<Vec<_>>(), FRAME_ROWS)
+}
+
+pub(super) fn momentum_units(twisted: bool, area_given: bool) -> &'static str {
+    match (twisted, area_given) {
+        (true, _) => "N m s",
+        (false, true) => "N s",
+        (false, false) => "N s/m^2",
+    }
 }
 
 pub(super) fn energy_units(area_given: bool) -> &'static str {

@@ -7,7 +7,7 @@ use hdf5::{File, Group};
 use ndarray::{Array2, s};
 
 use super::attributes::{FORMAT, get, get_text, get_texts};
-use super::create::END_TORQUE;
+use super::create::{END_TORQUE, energy_units, momentum_units};
 use super::shared::{NotOpened, SharedFile};
 use super::sweep::SWEEP_FORMAT;
 use super::tables::{numbers as column, texts};
@@ -267,6 +267,11 @@ impl ResultFile {
             let group = file.group("material")?;
             group.member_names()?.iter().map(|name| read_material(&group.group(name)?)).collect()
         })
+    }
+
+    /// Unit of the momentum and the impulse in the ledger.
+    pub fn momentum_units(&self) -> &'static str {
+        momentum_units(self.is_in_torsion(), self.metadata().energy_units == energy_units(true))
     }
 
     /// Of a bar in torsion: its stresses, strains and velocities are those of shear.

@@ -141,15 +141,13 @@ impl Checker<'_> {
                 let error = self.error(word.span(), &key, format!("`{}` is given twice", field.name()));
                 return Err(error.help("name each field once").into());
             }
-            let plastic = matches!(field, Field::PlasticStrain | Field::AccumulatedPlasticStrain);
-            if plastic && effects.hardening.is_none() && !auto {
-                let message = format!("`{}` is not available without a hardening rule", field.name());
-                let help = "add [effects] with hardening = \"isotropic\", or remove the field";
-                return Err(self.error(word.span(), &key, message).help(help).into());
-            }
-            if field == Field::Temperature && effects.heat.is_none() && !auto {
-                let message = "`temperature` is not available without adiabatic heating";
-                let help = "add [effects] with heat = { fraction = 0.9 }, or remove the field";
+            if let Some(effect) = field.needs().filter(|effect| !auto && effects.named(effect).is_none()) {
+                let (without, add) = match effect {
+                    "heat" => ("adiabatic heating", "heat = { fraction = 0.9 }"),
+                    _ => ("a hardening rule", "hardening = \"isotropic\""),
+                };
+                let message = format!("`{}` is not available without {without}", field.name());
+                let help = format!("add [effects] with {add}, or remove the field");
                 return Err(self.error(word.span(), &key, message).help(help).into());
             }
             if field != field.base() && !self.torsion {

@@ -50,7 +50,7 @@ impl FrontTracking {
                 let prev = self.list.get(id).prev;
                 let right = self.list.get(id).right;
                 if !self.resolve_apart(prev, id, right, x) {
-                    self.resolve_joint(prev, id, right, (before, x));
+                    self.resolve_between((prev, right), Some(id), before, x);
                 }
             }
             None => {
@@ -142,11 +142,7 @@ impl FrontTracking {
         self.resolve_between((prev, right), joint, None, x);
     }
 
-    /// The same at a joint, the sides of which were in these states `before` the waves came.
-    fn resolve_joint(&mut self, prev: u32, joint: u32, right: Point, (before, x): (Option<[Point; 2]>, f64)) {
-        self.resolve_between((prev, right), Some(joint), before, x);
-    }
-
+    /// The same of sides that were in other states `before` the waves came, as those of a joint.
     fn resolve_between(&mut self, (prev, right): (u32, Point), joint: Option<u32>, before: Option<[Point; 2]>, x: f64) {
         let left = self.list.get(prev).right;
         let left_segment = self.list.get(prev).segment;

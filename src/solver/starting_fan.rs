@@ -94,6 +94,9 @@ pub struct StartingFan {
     pub nodes: usize,
 }
 
+/// Nodes from the end on that a fan which grows sets: farther in, its fronts are so far from each other that a scheme takes them over as they are.
+const GROWING_NODES: usize = 64;
+
 impl StartingFan {
     /// On this grid of its segment, of this density (kg/m^3); plastic fronts are spread over `ramp` cells. None of one that leaves the bar elastic,
     /// but for sides of joints, of one above critical, and of one that does not travel.
@@ -111,6 +114,7 @@ impl StartingFan {
         let until_other_fans = if initial_fan.alone { cells } else { (cells - 1) / 2 };
         // Whatever is rounding: a bar and its mirror image have as many.
         let uniform = (initial_fan.uniform_for / dx * (1.0 + SAME_PLACE)) as usize;
+        let near = if initial_fan.delays.is_empty() { cells } else { GROWING_NODES };
         // Waves that start a fan arrive with a whole step; that within which a gap closes is part of the fan.
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
         let first = if by_wave { started.round() } else { started.floor() };
@@ -138,7 +142,7 @@ impl StartingFan {
             first: first as usize,
             steps: (first + wanted.min(possible).max(0.0)) as usize,
             known: (first + possible.max(0.0)) as usize,
-            nodes: until_other_fans.min(uniform),
+            nodes: until_other_fans.min(uniform).min(near),
         })
     }
 

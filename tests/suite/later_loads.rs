@@ -596,6 +596,45 @@ fn the_first_wave_of_a_load_that_decays_starts_the_fan_of_the_far_end() {
     }
 }
 
+/// The many plastic waves of a striker used up the search for fans before the first wave came to the far end: the force there was 4 % too large
+/// on every grid, so that no estimate of the error could see it.
+#[test]
+fn the_first_wave_of_a_striker_that_is_soon_slowed_starts_the_fan_of_the_far_end() {
+    let right = "kind = \"striker\"\nmass = 0.1\nvelocity = -15";
+    let case = Case::new(segment(0.5, BILINEAR, 0.0, ""), "kind = \"fixed\"", right, "140 us");
+    case.assert_near("striker", "left/peak_force_N", &[400, 1600], 0.004);
+}
+
+/// Only loads that rise within 200 time steps had fans: the first cell was left with 13 % too little strain by leapfrog, and 4 % by the Godunov scheme.
+/// (What is off here is the way from the end to the middle of the first cell.)
+#[test]
+fn a_load_that_rises_slowly_and_falls_again_starts_with_its_fan() {
+    let material = "{ density = 8000, modulus = 100e9, beyond = \"extend\", curve = { formula = \"ludwik\", yield = 100e6, K = 500e6, n = 0.5, \
+                    tabulate = { to-strain = 0.3, tolerance = 1e-4 } } }";
+    let left = "kind = \"stress\"\nhistory = [[0, 0], [1.5e-4, -3e8], [3e-4, 0]]";
+    let case = Case::new(segment(2.0, material, 0.0, ""), left, "kind = \"absorbing\"", "330 us");
+    case.assert_near("slow load", "largest_plastic_strain", &[1000, 2000], 0.03);
+}
+
+/// Sideways motion takes an impulse as a gap closes, in the two steps in which it does. The force of the second one was that impulse over the time
+/// step: 3 to 5 MN, the more the smaller the steps.
+#[test]
+fn the_impulse_of_lateral_inertia_as_a_gap_closes_is_no_peak() {
+    let bar = "[bar]\nlength = 0.3\narea = 24e-4\nvelocity = 5\nmaterial = { density = 7800, modulus = 200e9, poisson = 0.29, \
+               beyond = \"extend\", curve = { table = [[0.05, 10e9]] } }\n[left]\nkind = \"free\"\n";
+    let peak = |gap: f64, cells: usize| {
+        let scene = format!(
+            "{bar}[right]\nkind = \"wall\"\ngap = {gap}\n[effects]\nlateral-inertia = true\n[solve]\nuntil = 1e-4\ncells = {cells}\n\
+             [record]\nframes = 2\n"
+        );
+        Case::summary_of(&scene).pointer("/figures/right/peak_force_N").and_then(Value::as_f64).expect("a peak")
+    };
+    for cells in [250, 1000] {
+        let [later, at_start] = [1e-4, 0.0].map(|gap| peak(gap, cells));
+        assert!((later / at_start - 1.0).abs() < 1e-3, "{later} {at_start}");
+    }
+}
+
 /// The waves of a ramp are no sharper elsewhere in the bar than it is: a joint that yields under them starts without a fan of its own.
 #[test]
 fn what_a_rising_load_sends_through_the_bar_is_no_jump() {

@@ -65,6 +65,9 @@ impl Step {
 /// The beginning of a step, in steps.
 const SHORT: f64 = 1e-9;
 
+/// Part by which an end's impedance may exceed the bar's where they are equal.
+const ROUNDING: f64 = 1e-9;
+
 /// How the bar answers at its face: p = `force` + `impedance` u.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
@@ -120,6 +123,11 @@ impl Relation {
     #[must_use]
     pub fn without_pull(self) -> Self {
         Self { unilateral: true, ..self }
+    }
+
+    /// What is at the end resists its motion more than the bar does, and not as much but for rounding.
+    pub fn resists(&self, bar: &Response) -> bool {
+        self.of_velocity > (1.0 + ROUNDING) * self.of_force * bar.impedance
     }
 
     /// Force and velocity at which bar and end agree, whether or not that is a pull.

@@ -42,8 +42,10 @@ pub struct EndNode {
     impulse: f64,
     /// Sum of |impulse| of the steps, the scale for the momentum residual.
     throughput: f64,
-    /// The velocity follows from what holds the end.
-    held: bool,
+    /// Latest steps in which the velocity followed from what holds the end, up to [`u8::MAX`].
+    held_for: u8,
+    /// What is at the end resists its motion more than the bar does.
+    resists: bool,
     /// Of the velocity half a step before t = 0, while that is the current time: what the balance of a held end needs and the end has not had, m/s,
     /// into the bar.
     not_moved: f64,
@@ -81,6 +83,8 @@ struct Motion {
     met: bool,
     /// Its velocity was prescribed.
     held: bool,
+    /// What is there resisted its motion more than the bar does.
+    resists: bool,
 }
 
 /// The grid at an end, as a device needs it.
@@ -130,7 +134,8 @@ impl EndNode {
             work_on_node: 0.0,
             impulse: 0.0,
             throughput: 0.0,
-            held: false,
+            held_for: 0,
+            resists: false,
             not_moved: 0.0,
             cells: Cells::Elastic,
             passed_on: PassedOn::default(),
@@ -169,7 +174,7 @@ impl EndNode {
     pub(super) fn start_under(&mut self, half: f64) {
         let before = self.node.before;
         self.node.start_under(half);
-        if self.held {
+        if self.held_for > 0 {
             self.stress = 2.0 * half;
             self.not_moved = self.node.before - before;
         }
@@ -196,12 +201,13 @@ impl EndNode {
     /// The same under the force `cell` (N) of the end cell; `shown` is its stress for the record.
     fn advance_showing(&mut self, time: f64, cell: f64, shown: f64) {
         let (step, previous) = (self.step(time), self.force);
-        let Motion { force, velocity, met, held } = self.respond(&step, cell);
-        // More than the bar can carry on half a cell: it is stopped, perhaps over two steps.
-        let stopped = (force - cell).abs() > self.limit;
-        self.struck = held && (!self.held || stopped || self.model.jumps(time, self.dt));
+        let Motion { force, velocity, met, held, resists } = self.respond(&step, cell);
+        // More than the bar can carry on half a cell: it is stopped, perhaps over two steps. Sideways motion takes an impulse in both.
+        let stopped = (force - cell).abs() > self.limit
+            || self.limit.is_infinite() && self.held_for == 1 && !self.means[0].is_nan();
+        self.struck = held && (self.held_for == 0 || stopped || self.model.jumps(time, self.dt));
         // A force that the end gave before, as none where it was free, is known; else its cell tells what it carried.
-        let before = if self.held || self.means[1].is_nan() { shown } else { -self.means[1] / self.face.area };
+        let before = if self.held_for > 0 || self.means[1].is_nan() { shown } else { -self.means[1] / self.face.area };
         self.stress = if self.struck { before } else { -force / self.face.area };
         if self.model.gap(self.displacement).is_some() {
             self.stress = self.stress.min(0.0);
@@ -221,7 +227,8 @@ impl EndNode {
         let given = self.body_energy - self.model.energy(self.displacement + self.dt * velocity);
         self.work += std::mem::replace(&mut self.to_give, if self.model.stores() { given } else { impulse * velocity });
         self.node.move_on(velocity);
-        (self.force, self.held) = (force, held);
+        self.held_for = if held { self.held_for.saturating_add(1) } else { 0 };
+        (self.force, self.resists) = (force, resists);
         self.account(previous);
         self.displacement += self.dt * self.node.after;
     }
@@ -264,10 +271,12 @@ impl EndNode {
         if relation.of_velocity == 0.0 || !met {
             // The force is known; the velocity follows.
             let force = 0.5 * (passed_on + if met { ahead } else { 0.0 });
-            return Motion { force, velocity: self.node.pushed(force, cell), met, held: false };
+            return Motion { force, velocity: self.node.pushed(force, cell), met, held: false, resists: false };
         }
         let held = relation.unilateral || relation.of_force == 0.0;
-        Motion { force: cell + self.node.impedance * (velocity - self.node.after), velocity, met, held }
+        let resists = held || relation.resists(&bar);
+        let force = cell + self.node.impedance * (velocity - self.node.after);
+        Motion { force, velocity, met, held, resists }
     }
 
     /// Friction brings the node to rest in the step that was taken: to the last bit.
@@ -433,7 +442,7 @@ impl EndNode {
 
     /// It stops the node at once with a force that cells may not be able to carry.
     fn is_bounded(&self) -> bool {
-        self.held && (self.cells == Cells::Flowing || !self.is_characteristic())
+        self.resists && (self.cells == Cells::Flowing || !self.is_characteristic())
     }
 
     /// At Courant number 1 the half node answers as an elastic bar does.
@@ -465,10 +474,10 @@ impl EndNode {
         self.log.iter_mut().for_each(Vec::clear);
     }
 
-    /// True where the end's velocity is prescribed just now, or its place matters to what is there; false where it follows from
-    /// the stress.
+    /// True where the end's velocity follows from what is there rather than from the stress, or its place matters: it takes the impulses of the
+    /// grid filter. (The node of a stiff dashpot would answer them by as much the other way, step by step, for as long as the bar flows.)
     pub(super) fn is_held(&self) -> bool {
-        self.held || self.model.follows_place()
+        self.resists || self.model.follows_place()
     }
 
     /// Impulse and work by the trapezoidal rule in the end's force: the form in which the staggered scheme balances

@@ -10,18 +10,28 @@ use super::part::Part;
 const REVERSED: f64 = 0.25;
 
 impl Block {
-    /// How many stiffening knots of its curve a cell has passed. Hardening tells that, not the stress: a cell that unloads, through
-    /// zero stress or not, passes none.
-    fn stiffenings(&self, part: &Part, i: usize) -> Stiffenings {
-        if let Some(history) = self.histories.get(i).filter(|history| !history.is_unknown()) {
-            return history.passed;
-        }
+    /// How far a cell has come along its curve in tension and in compression, Pa, as [`Part::stiffens`] counts. Hardening tells that, not the
+    /// stress: a cell that unloads, through zero stress or not, passes none.
+    fn along(&self, part: &Part, i: usize) -> [f64; 2] {
         if part.path_independent {
             let z = self.e_equivalent_strain(part, i);
-            return passed(part, [z, -z]);
+            return [z, -z];
         }
         let yielded = self.stage == Stage::Plastic;
-        passed(part, [if yielded { part.law.law.accumulated(&self.state, i) } else { 0.0 }; 2])
+        [if yielded { part.law.law.accumulated(&self.state, i) } else { 0.0 }; 2]
+    }
+
+    /// How many stiffening knots of its curve a cell has passed.
+    fn stiffenings(&self, part: &Part, i: usize) -> Stiffenings {
+        let known = self.histories.get(i).filter(|history| !history.is_unknown());
+        known.map_or_else(|| passed(part, self.along(part, i)), |history| history.passed)
+    }
+
+    /// Slopes gave energy to a cell or one beside it, near one that has come to where its curve is level or falls. (Elsewhere they give what they
+    /// take again: fronts without them would be spread as by a scheme of first order.)
+    fn is_level_and_owes(&self, part: &Part, i: usize) -> bool {
+        let level = |i| self.along(part, i).iter().zip(part.levels).any(|(&along, level)| along >= level);
+        self.owes_near(part, i) && self.around(i).any(level)
     }
 
     /// Strains of these cells lie beyond the elastic limit in one sense and reach into the other: a shock that reverses the strain, where the
@@ -47,7 +57,7 @@ impl Block {
     pub fn is_first_order(&self, part: &Part, i: usize) -> bool {
         let passed = |i| self.stiffenings(part, i);
         let in_shock = || (i - 2..i + 2).any(|i| passed(i) != passed(i + 1));
-        self.owes_near(part, i)
+        self.is_level_and_owes(part, i)
             || (part.stiffens.is_some() && in_shock())
             || (part.path_independent && self.reverse(part, self.around(i)))
     }
@@ -73,7 +83,7 @@ impl Block {
             (2..row - 2).for_each(|i| flat[i] |= self.reverse(part, self.around(i)));
         }
         if part.most_energy_defect.is_some() {
-            (2..row - 2).for_each(|i| flat[i] |= self.owes_near(part, i));
+            (2..row - 2).for_each(|i| flat[i] |= self.is_level_and_owes(part, i));
         }
     }
 }

@@ -28,6 +28,9 @@ pub struct Part {
     pub(super) limit: f64,
     /// Energy that slopes may give to a cell, W/m^2, where the curve has a level or falling stretch; none along other curves.
     pub(super) most_energy_defect: Option<f64>,
+    /// E times the strains (of a curve followed both ways) or accumulated plastic strains from which the curve is level or falls, in tension and
+    /// compression, Pa; infinite where it rises throughout.
+    pub(super) levels: [f64; 2],
 }
 
 impl Part {
@@ -35,6 +38,7 @@ impl Part {
         let faces = Faces::new(medium);
         let limit = law.yield_stress.min(faces.yield_stress());
         let gain = segment.material.modulus * dt / grid.dx;
+        let levels = faces.levels();
         Self {
             path_independent: faces.medium.flow == Flow::PathIndependent,
             modulus: segment.material.modulus,
@@ -45,7 +49,11 @@ impl Part {
             velocity_gain: dt / (segment.material.density * grid.dx),
             stiffens: Some(faces.stiffenings()).filter(|all| all.iter().any(|knots| !knots.is_empty())),
             limit,
-            most_energy_defect: faces.has_level().then(|| MOST_ENERGY_DEFECT * limit * limit / (2.0 * gain)),
+            most_energy_defect: levels
+                .iter()
+                .any(|level| level.is_finite())
+                .then(|| MOST_ENERGY_DEFECT * limit * limit / (2.0 * gain)),
+            levels,
             faces,
             law,
         }

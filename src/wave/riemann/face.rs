@@ -416,9 +416,19 @@ impl Faces {
         }
     }
 
-    /// The curves have a level stretch.
-    pub fn has_level(&self) -> bool {
-        [1.0, -1.0].iter().any(|&sense| self.medium.lines(sense).slope.iter().any(|&slope| slope <= LEVEL))
+    /// E times the strains (of a curve followed both ways) or accumulated plastic strains from which the curve is level or falls, in tension and
+    /// compression, Pa; infinite where it rises throughout.
+    pub fn levels(&self) -> [f64; 2] {
+        [1.0, -1.0].map(|sense| {
+            let lines = self.medium.lines(sense);
+            let level = lines.slope.iter().position(|&slope| slope <= LEVEL);
+            level.map_or(f64::INFINITY, |k| self.along(lines, k))
+        })
+    }
+
+    /// How far along the curve its knot `k` is: E times the strain where it is followed both ways, else the plastic strain, Pa.
+    fn along(&self, lines: &Lines, k: usize) -> f64 {
+        lines.z[k] - if self.medium.flow == Flow::PathIndependent { 0.0 } else { lines.y[k] }
     }
 
     /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
@@ -465,10 +475,9 @@ impl Faces {
     /// E times the strains (of a curve followed both ways) or plastic strains beyond which the curve stiffens, in tension and compression,
     /// Pa; by rounding more, so that what comes to rest at a knot has not passed it.
     pub fn stiffenings(&self) -> [Vec<f64>; 2] {
-        let both_ways = self.medium.flow == Flow::PathIndependent;
         [1.0, -1.0].map(|sense| {
             let lines = self.medium.lines(sense);
-            let at = |k: usize| lines.z[k] - if both_ways { 0.0 } else { lines.y[k] } + self.medium.round_off;
+            let at = |k: usize| self.along(lines, k) + self.medium.round_off;
             (1..lines.z.len()).filter(|&k| lines.slope[k] > lines.slope[k - 1]).map(at).collect()
         })
     }

@@ -78,12 +78,19 @@ impl FrontTracking {
 
     /// The end's next step begins; where a body moves with it, it ends with the arrival of a front.
     fn begin_step(&mut self, which: usize, bar: &Point, segment: u32) {
-        let length = self.ends[which].end_step(bar).map(|wish| {
+        let free = self.free_velocity(which, bar, segment);
+        let length = self.ends[which].end_step(bar, free).map(|wish| {
             let reach = LONGEST_STEP * self.media[segment as usize].c0();
             let arrival = self.arrival(which, reach * wish);
             if arrival <= LONGEST_STEP * wish { arrival } else { wish }
         });
-        self.ends[which].begin_step(length, bar);
+        self.ends[which].begin_step(length, bar, free);
+    }
+
+    /// Velocity of the face where nothing acts on it, m/s, into the bar. A bar whose stress falls may flow, too, and its face then
+    /// moves faster than that of an elastic one: this must be the velocity with which a body is found apart.
+    fn free_velocity(&mut self, which: usize, bar: &Point, segment: u32) -> f64 {
+        self.answer_stress(which, 0.0, bar, segment).velocity
     }
 
     /// When, from now, the first front gets to an end if nothing comes in its way, s, of those that are nearer to it than

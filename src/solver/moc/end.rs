@@ -207,15 +207,16 @@ impl End {
         self.stepping.relation = self.stepping.model.relation(step, response);
     }
 
-    /// Ends the step. How long the next one should be, s, where a body moves with the end, or would have to if it did not part now.
-    pub fn end_step(&mut self, bar: &Point) -> Option<f64> {
+    /// Ends the step. How long the next one should be, s, where a body moves with the end, or would have to if it did not part now. A face on
+    /// which nothing acts moves at `free` (m/s, into the bar).
+    pub fn end_step(&mut self, bar: &Point, free: f64) -> Option<f64> {
         self.stepping.commit(self.scales.same_time);
         let now = self.stepping.start;
         if self.imposed.as_ref().is_some_and(|imposed| imposed.is_over(now + self.scales.same_time)) {
             self.imposed = None;
         }
         let response = self.response(bar);
-        let pushes = self.pushes(&response);
+        let pushes = self.pushes(free);
         let pushed = std::mem::replace(&mut self.stepping.met, pushes);
         let control = self.control.as_mut()?;
         if !pushes && !pushed {
@@ -229,25 +230,29 @@ impl End {
         Some(if self.stepping.model.is_nonlinear() { self.resolving_contact(length, &response) } else { length })
     }
 
-    /// Whether what is there acts on the face from now on: always, unless it can part.
-    fn pushes(&self, bar: &Response) -> bool {
+    /// Whether what is there acts on the face from now on: always, unless it can part from a face that moves at `free` (m/s, into the bar).
+    fn pushes(&self, free: f64) -> bool {
         let Some(gap) = self.stepping.model.gap(self.stepping.displacement) else { return true };
-        let closing = self.closing(bar);
-        let reached = gap <= closing * self.scales.same_time;
-        gap < 0.0 || (reached && closing * bar.impedance > self.scales.same_stress * self.face.area)
+        let closing = self.closing(free);
+        gap < 0.0 || (gap <= closing * self.scales.same_time && self.is_closing(closing))
     }
 
-    /// Velocity at which a free face and what is there approach each other, m/s.
-    fn closing(&self, bar: &Response) -> f64 {
-        self.stepping.model.body().map_or(0.0, |body| body.velocity) + bar.force / bar.impedance
+    /// Velocity at which a face that moves with `velocity` (m/s, into the bar) and what is there approach each other, m/s.
+    fn closing(&self, velocity: f64) -> f64 {
+        self.stepping.model.body().map_or(0.0, |body| body.velocity) - velocity
+    }
+
+    /// Whether they do (m/s), and not by rounding alone.
+    fn is_closing(&self, closing: f64) -> bool {
+        closing * self.face.impedance > self.scales.same_stress * self.face.area
     }
 
     /// Notes where a body touches the end, or parts from it, now; `next` is the step (s) that it would take.
-    fn note_change(&mut self, next: f64, bar: &Response) {
+    fn note_change(&mut self, next: f64, bar: &Response, free: f64) {
         let Some(body) = self.stepping.model.body() else { return };
         let touches = self.stepping.met;
         if self.changes.last().is_none_or(|last| last.open) == touches {
-            let time = if touches { self.stepping.start } else { self.parting(body.gap, next, bar) };
+            let time = if touches { self.stepping.start } else { self.parting(body.gap, next, bar, free) };
             self.changes.push(JointChange { time, open: !touches });
         }
     }
@@ -257,8 +262,8 @@ impl End {
     /// A force that dies away does so in steps, as the waves that arrive are made of steps: a mass is released at the first wave
     /// behind which it would have to pull. When the force itself was zero is found between the middles of the last step that pushed
     /// and the first that would pull: second order, like everything else.
-    fn parting(&self, gap: f64, next: f64, bar: &Response) -> f64 {
-        let (now, closing) = (self.stepping.start, self.closing(bar));
+    fn parting(&self, gap: f64, next: f64, bar: &Response, free: f64) -> f64 {
+        let (now, closing) = (self.stepping.start, self.closing(free));
         if self.jumped {
             return now;
         }
@@ -287,10 +292,10 @@ impl End {
         length
     }
 
-    /// Begins a step, of `length` (s) where a body moves with the end.
-    pub fn begin_step(&mut self, length: Option<f64>, bar: &Point) {
+    /// Begins a step, of `length` (s) where a body moves with the end. A face on which nothing acts moves at `free` (m/s, into the bar).
+    pub fn begin_step(&mut self, length: Option<f64>, bar: &Point, free: f64) {
         let (now, response) = (self.stepping.start, self.response(bar));
-        self.note_change(length.unwrap_or(f64::INFINITY), &response);
+        self.note_change(length.unwrap_or(f64::INFINITY), &response, free);
         (self.stepping.relation, self.stepping.until) = match (&self.imposed, self.stepping.met) {
             (Some(imposed), _) => {
                 let at = now + self.scales.same_time;
@@ -344,8 +349,8 @@ impl End {
     fn closing_time(&self, velocity: f64) -> f64 {
         let model = &self.stepping.model;
         let Some(gap) = model.gap(self.stepping.displacement) else { return f64::INFINITY };
-        let closing = model.body().map_or(0.0, |body| body.velocity) - velocity;
-        if closing * self.face.impedance <= self.scales.same_stress * self.face.area {
+        let closing = self.closing(velocity);
+        if !self.is_closing(closing) {
             return f64::INFINITY;
         }
         self.stepping.start + gap.max(0.0) / closing

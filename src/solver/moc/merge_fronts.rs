@@ -83,10 +83,10 @@ impl FrontTracking {
         let segment = self.list.get(scratch.ids[start]).segment as usize;
         let medium = &self.media[segment];
         let same = SAME_SPEED * medium.c0();
-        // A state off its curve means nothing where the curve is all the law: there only waves that follow each other
-        // directly, along one line of the curve, can become one.
-        let across = medium.flow != Flow::PathIndependent;
-        let elastic = scratch.pieces[start..end].iter().all(|piece| piece.plastic == 0.0 && piece.accumulated == 0.0);
+        let elastic = scratch.pieces[start..end].iter().all(|piece| medium.is_on_elastic_line(piece));
+        // A state off its curve means nothing where the curve is all the law: beyond the elastic line only waves that follow each
+        // other directly, along one line of the curve, can become one.
+        let across = elastic || medium.flow != Flow::PathIndependent;
         scratch.kind.clear();
         scratch.kind.extend((start + 1..end).filter_map(|i| scratch.wave[i].map(|speed| (speed, i))));
         if across && !elastic && scratch.kind.iter().any(|&(speed, _)| speed == 0.0) {

@@ -285,7 +285,11 @@ impl FrontMerging {
             let share = share(&a, &b);
             let height = a.height.plus(&b.height, share).plus(&a.height, -share);
             let medium = &media[a.segment];
-            let most = if change > TRIFLE * self.allowance { 0.0 } else { self.overstress / self.softness[a.segment] };
+            let most = if change > TRIFLE * self.allowance || medium.flow == Flow::PathIndependent {
+                0.0
+            } else {
+                self.overstress / self.softness[a.segment]
+            };
             let Some(taken) = scratch.lift([a, b], &height, medium, most, -self.credit) else { continue };
             self.credit += taken.energy;
             self.changed += change;

@@ -9,7 +9,7 @@ impl Medium {
         match self.flow {
             Flow::PathIndependent => {
                 let inside = |stress: f64| stress.abs() < self.lines(stress).first_yield - self.round_off;
-                point.plastic.abs() <= self.round_off && inside(point.stress) && inside(stress)
+                self.is_on_elastic_line(point) && inside(point.stress) && inside(stress)
             }
             Flow::Plastic { kinematic } => {
                 let sense = 1.0_f64.copysign(stress - point.stress);

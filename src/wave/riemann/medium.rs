@@ -232,10 +232,20 @@ impl Medium {
         kinetic + 0.5 * point.stress * point.stress / self.modulus + point.work
     }
 
+    /// True of a point that has never flowed; where the curve is followed both ways, of one that is on the elastic line, but for rounding.
+    pub fn is_on_elastic_line(&self, point: &Point) -> bool {
+        let rounding = if self.flow == Flow::PathIndependent { self.round_off } else { 0.0 };
+        point.plastic.abs() <= rounding && point.accumulated == 0.0
+    }
+
     /// How far a point is past what flow can bring about, Pa: its stress past its yield stress, or its back stress past
-    /// that of flow in one sense; not above 0 for any other. 0 where the curve is all the law.
+    /// that of flow in one sense; not above 0 for any other. Where the curve is all the law, how far a point of the elastic line is past
+    /// the end of that line, and 0 for any other.
     pub fn overstress(&self, point: &Point) -> f64 {
         let kinematic = match self.flow {
+            Flow::PathIndependent if self.is_on_elastic_line(point) => {
+                return point.stress.abs() - self.lines(point.stress).first_yield;
+            }
             Flow::PathIndependent => return 0.0,
             Flow::Plastic { kinematic } => kinematic,
             Flow::Overlay => 1.0,

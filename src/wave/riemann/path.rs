@@ -312,14 +312,14 @@ impl Path {
             let mut i = 0;
             while i + 1 < self.knots.len() && self.is_straight(i) && self.knots[i + 1].tau - tau <= self.round_off {
                 let (from, to) = (self.knots[i], self.knots[i + 1]);
-                behind = self.behind(&behind, (from.tau, from.z), (to.tau, to.z), from.compliance, direction);
+                behind = self.along(&behind, &from, (to.tau, to.z), direction);
                 fronts.push(Emitted { speed: 1.0 / (self.density * from.compliance), behind });
                 i += 1;
             }
             let from = self.knots[i];
             if tau - from.tau > self.round_off && from.slope > 0.0 {
                 let to = (tau, from.z + (tau - from.tau) / from.slope);
-                behind = self.behind(&behind, (from.tau, from.z), to, from.compliance, direction);
+                behind = self.along(&behind, &from, to, direction);
                 fronts.push(Emitted { speed: 1.0 / (self.density * from.compliance), behind });
             }
             return behind;
@@ -332,6 +332,15 @@ impl Path {
                 behind = self.behind(&behind, from, to, compliance, direction);
                 fronts.push(Emitted { speed: 1.0 / (self.density * compliance), behind });
             }
+        }
+        behind
+    }
+
+    /// The state behind a front along the line that starts at the knot `from`. Along an elastic one nothing flows, to the last bit.
+    fn along(&self, ahead: &Point, from: &Knot, to: (f64, f64), direction: f64) -> Point {
+        let mut behind = self.behind(ahead, (from.tau, from.z), to, from.compliance, direction);
+        if self.returns && from.slope == 1.0 {
+            (behind.plastic, behind.work) = (ahead.plastic, ahead.work);
         }
         behind
     }

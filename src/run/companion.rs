@@ -10,8 +10,8 @@ use crate::scene::{Scene, TaperDiscretization};
 use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
-/// The largest tolerance that is tried when a run used up its events.
-const LARGEST_TRIED: f64 = 0.5;
+/// The largest tolerance that is tried when a run used up its events: stresses are off by about this part, and a larger one is no advice.
+pub(super) const LARGEST_TRIED: f64 = 0.1;
 /// Powers of one over the tolerance with which events are taken to grow: at least, and at most.
 const GROWTH: [f64; 2] = [1.0, 3.0];
 /// Part of the events that are left which the last try is expected to take.

@@ -258,8 +258,11 @@ impl<'a> Run<'a> {
                 let carries = || companion::tolerance_that_carries(self.recorder.scene, self.settings, self.progress);
                 let help = match alone.then(carries).unwrap_or(Ok(None)) {
                     Err(interrupted) => return interrupted,
-                    Ok(None) => "the run does not complete with any front-tolerance up to 0.5: increase max-events in \
-                                 [solve]".to_owned(),
+                    Ok(None) => format!(
+                        "the run does not complete with any front-tolerance up to {}: use method = \"fd\", or increase \
+                         max-events in [solve]",
+                        companion::LARGEST_TRIED
+                    ),
                     Ok(Some(tolerance)) => format!(
                         "set front-tolerance = {tolerance:.1e} in [solve], with which the run completes (tested), or increase \
                          max-events"

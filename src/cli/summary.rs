@@ -176,7 +176,7 @@ pub(super) fn choice_text(choice: &AutoChoice, units: System) -> String {
     std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, why)
 }
 
-/// Notes on a scene, below a summary or a plan.
+/// Notes below a summary or a plan.
 pub(super) fn note_lines(notes: &[String], units: System) -> impl Iterator<Item = String> {
     notes.iter().map(move |note| std::format!("  note: {}", in_units(note, units)))
 }
@@ -192,13 +192,9 @@ pub(super) fn add_critical(lines: &mut Lines, critical: Option<String>, fronts: 
     }
 }
 
-/// A line for each neglected effect that matters or cannot be estimated, and one for all others.
+/// One line for the neglected effects that do not matter, and one for each that cannot be estimated. Those that matter are among the notes.
 fn audit_lines(rows: &[AuditRow], units: System) -> Vec<String> {
-    let mut lines: Vec<String> = rows
-        .iter()
-        .filter(|row| row.matters())
-        .map(|row| std::format!("  note: {}", in_units(&sentence(&row.advice()), units)))
-        .collect();
+    let mut lines = Vec::new();
     let (unknown, small): (Vec<&AuditRow>, Vec<&AuditRow>) =
         rows.iter().filter(|row| !row.matters()).partition(|row| row.estimate.is_nan());
     let small: Vec<String> = small.iter().map(|r| std::format!("{} {:.2} %", r.effect, 100.0 * r.estimate)).collect();
@@ -208,13 +204,6 @@ fn audit_lines(rows: &[AuditRow], units: System) -> Vec<String> {
     lines
         .extend(unknown.iter().map(|row| std::format!("  {:<18}{}", "not simulated", in_units(&row.message(), units))));
     lines
-}
-
-/// With a capital letter and a full stop.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
-    std::format!("{first}{}.", letters.as_str())
 }
 
 fn rupture_text(r: &RuptureSummary, units: System) -> String {

@@ -304,6 +304,14 @@ impl AuditRow {
         format!("{}{stop}{}", self.said(" was neglected; "), self.remedy)
     }
 
+    /// The advice as a sentence, with a capital letter and a full stop.
+    pub fn note(&self) -> String {
+        let advice = self.advice();
+        let mut letters = advice.chars();
+        let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+        format!("{first}{}.", letters.as_str())
+    }
+
     /// The finding without its remedy; `of` leads from what was neglected to its size.
     fn said(&self, of: &str) -> String {
         if self.neglected.is_empty() { self.finding.clone() } else { format!("{}{of}{}", self.neglected, self.finding) }

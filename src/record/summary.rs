@@ -77,7 +77,7 @@ pub struct Summary {
     pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
-    /// Notes on problematic settings of the scene, one sentence each.
+    /// Notes on problematic settings of the scene, and on neglected effects that matter, one sentence each.
     pub notes: Vec<String>,
     /// Result file.
     pub output: String,

@@ -503,11 +503,17 @@ impl<'a> RunRecorder<'a> {
             ruptures: results.ruptures.map(|all| all.iter().map(RuptureSummary::from).collect()),
             auto: None,
             temperature_rise: results.temperature_rise,
+            notes: notes(self.scene, &results.audit),
             audit: results.audit,
-            notes: self.scene.notes(),
             output: self.output,
         }
     }
+}
+
+/// On the scene, and on what its audit found to matter.
+fn notes(scene: &Scene, audit: &[AuditRow]) -> Vec<String> {
+    let neglected = audit.iter().filter(|row| row.matters()).map(AuditRow::note);
+    scene.notes().into_iter().chain(neglected).collect()
 }
 
 /// Balls whose pressure on the bar is more than the bar stands, its ends being elastic under the contact, or whose contact is not small.

@@ -806,6 +806,20 @@ fn no_front_tolerance_is_advised_that_makes_large_errors() {
     assert!(message.contains(help), "{message}");
 }
 
+/// The audit notes what grids leave behind a fracture: `notes` of `--json` left it out, as it did all that the audit found.
+#[test]
+fn the_notes_of_json_are_those_of_the_text() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/spall.toml");
+    std::fs::copy(scene, folder.path().join("spall.toml")).expect("a scene");
+    let run = ["run", "spall.toml", "--set", "solve.cells=400"];
+    let text = binary::done(folder.path(), &run);
+    let printed: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("  note: ")).collect();
+    let json = binary::json(folder.path(), &[&run[..], &["--json", "--force"]].concat());
+    assert!(printed.iter().any(|note| note.starts_with("On the grid the fracture at ")), "{text}");
+    assert_eq!(json["notes"], serde_json::json!(printed));
+}
+
 /// Only sharp waves need to cross a cell in just a step.
 #[test]
 fn plans_state_by_how_much_transit_times_are_rounded() {

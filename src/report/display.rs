@@ -1,7 +1,7 @@
 //! Display units: the factor from SI, the symbol, and the axis label of each quantity.
 
 use crate::record::Field;
-use crate::units::{Dimension, System, in_units, scale_for};
+use crate::units::{Dimension, System, in_units, one, scale_for};
 
 /// Units of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -18,23 +18,29 @@ pub enum Units {
 pub(super) struct Unit {
     /// Shown value = factor times SI value.
     pub factor: f64,
-    /// Empty where there is none.
+    /// As the units are declared, "ft*lbf/in^2"; empty where there is none.
     pub symbol: &'static str,
 }
 
-const INCH: f64 = 0.0254;
-const FOOT: f64 = 0.3048;
-/// Pound-force, N.
-const POUND_FORCE: f64 = 0.453_592_37 * 9.806_65;
+/// A number without unit.
+pub(super) const PLAIN: Unit = Unit { factor: 1.0, symbol: "" };
 
 impl Unit {
-    const fn new(factor: f64, symbol: &'static str) -> Self {
-        Self { factor, symbol }
+    /// The unit that has this symbol.
+    fn named(symbol: &'static str, dimension: Dimension) -> Self {
+        // No value at all rather than a wrong one.
+        Self { factor: 1.0 / one(symbol, dimension).unwrap_or(f64::NAN), symbol }
     }
 
-    /// The symbol as it is printed, with raised dots in products.
+    /// The symbol as it is printed: raised dots in products, raised powers, and the micro sign.
     fn printed(self) -> String {
-        self.symbol.replace('*', "\u{b7}")
+        let raised = [("*", "\u{b7}"), ("^2", "\u{b2}"), ("^3", "\u{b3}"), ("^4", "\u{2074}")];
+        let symbol =
+            raised.iter().fold(self.symbol.to_owned(), |symbol, (plain, raised)| symbol.replace(plain, raised));
+        match symbol.strip_prefix('u') {
+            Some(unit) => format!("\u{b5}{unit}"),
+            None => symbol,
+        }
     }
 
     /// `name (unit)`.
@@ -95,56 +101,48 @@ impl Units {
         }
     }
 
+    /// One of two units of the same dimension.
+    fn either(self, [si, us]: [&'static str; 2], dimension: Dimension) -> Unit {
+        match self {
+            Self::Si => Unit::named(si, dimension),
+            Self::Us => Unit::named(us, dimension),
+        }
+    }
+
     /// For times up to `longest` s.
     pub(super) fn time(longest: f64) -> Unit {
-        if longest < 2e-3 {
-            Unit::new(1e6, "\u{b5}s")
-        } else if longest < 2.0 {
-            Unit::new(1e3, "ms")
-        } else {
-            Unit::new(1.0, "s")
-        }
+        let symbol = match longest {
+            _ if longest < 2e-3 => "us",
+            _ if longest < 2.0 => "ms",
+            _ => "s",
+        };
+        Unit::named(symbol, Dimension::Time)
     }
 
     /// For places on a bar of `length` m.
     pub(super) fn length(self, length: f64) -> Unit {
-        match self {
-            Self::Si if length < 0.2 => Unit::new(1e3, "mm"),
-            Self::Si => Unit::new(1.0, "m"),
-            Self::Us if length < 10.0 => Unit::new(1.0 / INCH, "in"),
-            Self::Us => Unit::new(1.0 / FOOT, "ft"),
-        }
+        let symbols = [if length < 0.2 { "mm" } else { "m" }, if length < 10.0 { "in" } else { "ft" }];
+        self.either(symbols, Dimension::Length)
     }
 
     pub(super) fn stress(self) -> Unit {
-        match self {
-            Self::Si => Unit::new(1e-6, "MPa"),
-            Self::Us => Unit::new(1e-3 * INCH * INCH / POUND_FORCE, "ksi"),
-        }
+        self.either(["MPa", "ksi"], Dimension::Stress)
     }
 
     pub(super) fn velocity(self) -> Unit {
-        match self {
-            Self::Si => Unit::new(1.0, "m/s"),
-            Self::Us => Unit::new(1.0 / FOOT, "ft/s"),
-        }
+        self.either(["m/s", "ft/s"], Dimension::Velocity)
     }
 
     /// For an energy, given the file's own unit ("J" or "J/m^2").
     pub(super) fn energy(self, stored: &str) -> Unit {
-        match (self, stored) {
-            (Self::Si, "J") => Unit::new(1.0, "J"),
-            (Self::Si, _) => Unit::new(1e-3, "kJ/m\u{b2}"),
-            (Self::Us, "J") => Unit::new(1.0 / (FOOT * POUND_FORCE), "ft\u{b7}lbf"),
-            (Self::Us, _) => Unit::new(INCH * INCH / (FOOT * POUND_FORCE), "ft\u{b7}lbf/in\u{b2}"),
+        match stored {
+            "J" => self.either(["J", "ft*lbf"], Dimension::Energy),
+            _ => self.either(["kJ/m^2", "ft*lbf/in^2"], Dimension::EnergyPerArea),
         }
     }
 
     pub(super) fn density(self) -> Unit {
-        match self {
-            Self::Si => Unit::new(1.0, "kg/m\u{b3}"),
-            Self::Us => Unit::new(INCH * INCH * INCH / 0.453_592_37, "lb/in\u{b3}"),
-        }
+        self.either(["kg/m^3", "lb/in^3"], Dimension::Density)
     }
 
     /// For values up to `most` whose SI unit has this symbol, with spaces or, as older programs wrote it, with "*".
@@ -153,15 +151,10 @@ impl Units {
         let Some(dimension) =
             Dimension::ALL.iter().copied().find(|d| d.spaced_symbol() == symbol && !symbol.is_empty())
         else {
-            return Unit::new(1.0, "");
+            return PLAIN;
         };
         let scale = scale_for(most, dimension, self.system());
-        let symbol = match scale.symbol {
-            "um" => "\u{b5}m",
-            "us" => "\u{b5}s",
-            other => other,
-        };
-        Unit::new(1.0 / scale.si, symbol)
+        Unit { factor: 1.0 / scale.si, symbol: scale.symbol }
     }
 
     /// For a recorded field.
@@ -169,22 +162,19 @@ impl Units {
         match field {
             Field::Stress => self.stress(),
             Field::Velocity => self.velocity(),
-            Field::Displacement => match self {
-                Self::Si => Unit::new(1e3, "mm"),
-                Self::Us => Unit::new(1.0 / INCH, "in"),
-            },
-            Field::Temperature => Unit::new(1.0, "K"),
-            Field::Strain | Field::PlasticStrain | Field::AccumulatedPlasticStrain => Unit::new(1.0, ""),
-            Field::Torque => match self {
-                Self::Si => Unit::new(1.0, "N\u{b7}m"),
-                Self::Us => Unit::new(1.0 / (FOOT * POUND_FORCE), "lbf\u{b7}ft"),
-            },
-            Field::Twist => match self {
-                Self::Si => Unit::new(1.0, "rad/m"),
-                Self::Us => Unit::new(INCH, "rad/in"),
-            },
-            Field::AngularVelocity => Unit::new(1.0, "rad/s"),
+            Field::Displacement => self.either(["mm", "in"], Dimension::Length),
+            Field::Temperature => Unit::named("K", Dimension::Temperature),
+            Field::Strain | Field::PlasticStrain | Field::AccumulatedPlasticStrain => PLAIN,
+            Field::Torque => self.either(["N*m", "lbf*ft"], Dimension::Torque),
+            Field::Twist => self.twist(),
+            Field::AngularVelocity => Unit::named("rad/s", Dimension::AngularVelocity),
         }
+    }
+
+    /// For an angle per length.
+    fn twist(self) -> Unit {
+        let length = self.either(["m", "in"], Dimension::Length);
+        Unit { factor: 1.0 / length.factor, symbol: if self == Self::Si { "rad/m" } else { "rad/in" } }
     }
 }
 
@@ -222,8 +212,23 @@ mod tests {
         for symbol in ["N m", "N*m"] {
             assert_eq!(Units::Si.of_symbol(symbol, 2.0).label("torque"), "torque (N\u{b7}m)");
         }
+        assert_eq!(Units::Us.of_symbol("m^2", 2e-3).label("area"), "area (in\u{b2})");
+        assert_eq!(Units::Si.of_symbol("m", 2e-6).label("depth"), "depth (\u{b5}m)");
         // 1 lb/in^3 = 27679.9047 kg/m^3.
         assert_eq!(Units::Us.density().number(27_679.904_71 * 0.284), "0.2840");
+    }
+
+    #[test]
+    fn every_unit_has_a_value() {
+        for units in [Units::Si, Units::Us] {
+            let fields = Field::ALL.map(|field| units.field(field));
+            let others =
+                [units.density(), units.energy("J"), units.energy("J/m^2"), units.length(0.1), units.length(20.0)];
+            let times = [1e-4, 0.1, 10.0].map(Units::time);
+            for unit in fields.iter().chain(&others).chain(&times) {
+                assert!(unit.factor.is_finite(), "{unit:?}");
+            }
+        }
     }
 
     #[test]

@@ -203,8 +203,12 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
     };
     let stored = &file.metadata().energy_units;
     let energy = units.energy(stored);
-    let units = file.momentum_units().replace(' ', "\u{b7}").replace("^2", "\u{b2}");
-    let momentum = |value: f64| format!("{} {units}", four_digits(value));
+    let momentum = units.of_symbol(file.momentum_units(), last.energies.momentum.abs().max(last.impulse.abs()));
+    let [momentum_name, impulse_name] = if file.is_in_torsion() {
+        ["angular momentum at the end", "angular impulse on the bar"]
+    } else {
+        ["momentum at the end", "impulse on the bar"]
+    };
     let residual = rows.iter().map(|row| row.residual.abs()).fold(0.0, f64::max);
     let mut values: Vec<(&str, String)> = Energies::COLUMNS
         .iter()
@@ -215,8 +219,8 @@ fn ledger_table(file: &ResultFile, units: Units) -> Result<String> {
         ("work of the left end", energy.show(last.work_left)),
         ("work of the right end", energy.show(last.work_right)),
         ("largest energy residual, relative", format!("{residual:.1e}")),
-        ("momentum at the end", momentum(last.energies.momentum)),
-        ("impulse on the bar", momentum(last.impulse)),
+        (momentum_name, momentum.show(last.energies.momentum)),
+        (impulse_name, momentum.show(last.impulse)),
     ]);
     Ok(table("Ledger", &[], &values.into_iter().map(|(name, value)| vec![name.to_owned(), value]).collect::<Vec<_>>()))
 }

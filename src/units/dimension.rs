@@ -166,4 +166,12 @@ dimensions! {
     /// N m/rad.
     TorsionalStiffness: "a torsional stiffness", "300 N*m/rad", "N*m/rad", [2, 1, -2, 0],
         { "N*m/rad" = 1.0, "kN*m/rad" = 1e3 }, { "lbf*ft/rad" = FOOT_POUND };
+    /// N m s.
+    AngularImpulse: "an angular impulse", "3 N*m*s", "N*m*s", [2, 1, -1, 0],
+        { "N*m*s" = 1.0, "kN*m*s" = 1e3 }, { "lbf*ft*s" = FOOT_POUND };
+    /// J/m^2.
+    EnergyPerArea: "an energy per area", "20 kJ/m^2", "J/m^2", [0, 1, -2, 0],
+        { "J/m^2" = 1.0, "kJ/m^2" = 1e3, "MJ/m^2" = 1e6 }, { "ft*lbf/in^2" = FOOT_POUND / (INCH * INCH) };
+    /// rad.
+    Angle: "an angle", "0.2 rad", "rad", [0, 0, 0, 0], { "rad" = 1.0 }, {};
 }

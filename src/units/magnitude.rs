@@ -64,6 +64,9 @@ impl Dimension {
             Self::TorsionalDampingCoefficient => {
                 range(1e-27, 1e24, "the torsional impedance of a steel shaft of 1 m diameter is about 4e6 N m s/rad")
             }
+            Self::AngularImpulse => range(1e-27, 1e21, "a torque of 100 N m gives 0.1 N m s in 1 ms"),
+            Self::EnergyPerArea => range(1e-12, 1e21, "metals take 1e3 to 1e6 J/m^2 to fracture"),
+            Self::Angle => range(1e-15, 1e12, "a turn is 6.28 rad"),
         }
     }
 }

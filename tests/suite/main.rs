@@ -64,6 +64,7 @@ mod rate_on_the_grid;
 mod rate_scenes;
 mod rate_sudden_loads;
 mod report;
+mod report_units;
 mod resume;
 mod run_binary;
 mod run_scenes;

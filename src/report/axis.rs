@@ -44,28 +44,30 @@ impl Axis {
 
     /// Ticks with their labels, and the power of ten taken out of these.
     pub fn labelled(&self, count: usize) -> (Vec<(f64, String)>, i32) {
-        if self.logarithmic {
-            return (self.decades(), 0);
+        if let Some(labels) = self.decades() {
+            return (labels, 0);
         }
         let (ticks, step, power) = self.ticks(count);
         (ticks.into_iter().map(|tick| (tick, tick_label(tick, step, power))).collect(), power)
     }
 
-    /// Labels at the decades; over fewer than two of them at 1, 2 and 5 in each, over less than a factor of 3 at every digit.
-    fn decades(&self) -> Vec<(f64, String)> {
-        let decades = (self.high / self.low).log10();
-        let digits: &[u32] = match decades {
-            _ if decades >= 2.0 => &[1],
-            _ if decades > 0.5 => &[1, 2, 5],
-            _ => &[1, 2, 3, 4, 5, 6, 7, 8, 9],
-        };
+    /// Labels of a logarithmic axis: at the decades; over fewer than two of them at 1, 2 and 5 in each, or at every digit where these are fewer than
+    /// three. None where the digits are, too: the axis is so short that the ticks of a linear one serve.
+    fn decades(&self) -> Option<Vec<(f64, String)>> {
+        if !self.logarithmic {
+            return None;
+        }
+        let count = |digits: &[u32]| self.digits().filter(|(digit, ..)| digits.contains(digit)).count();
+        let finer: [&[u32]; 2] = [&[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]];
+        let digits =
+            if self.high / self.low >= 100.0 { &[1] } else { *finer.iter().find(|digits| count(digits) > 2)? };
         let labelled = self.digits().filter(|(digit, ..)| digits.contains(digit));
         let label = |(digit, power, value): (u32, i32, f64)| match digits.len() {
             1 => (value, format!("10{}", superscript(power))),
             _ if (-3..5).contains(&power) => (value, format!("{value:.*}", (-power).max(0) as usize)),
             _ => (value, format!("{digit}\u{b7}10{}", superscript(power))),
         };
-        labelled.map(label).collect()
+        Some(labelled.map(label).collect())
     }
 
     /// Digits times powers of ten on a logarithmic axis.
@@ -102,14 +104,16 @@ impl Axis {
         Self::new(label, low - room, high + room)
     }
 
-    /// Round tick values, about `count` of them and at least two, and the power of ten taken out of their labels.
+    /// Round tick values, about `count` of them and at least two, on a logarithmic axis three, and the power of ten taken out of
+    /// their labels.
     fn ticks(&self, count: usize) -> (Vec<f64>, f64, i32) {
         /// From so many ticks on a finer step does not help: the axis is too short for its numbers.
         const ENOUGH: usize = 16;
         let step = round_step((self.high - self.low) / count as f64);
         let first = (self.low / step - 1e-9).ceil() as i64;
         let last = (self.high / step + 1e-9).floor() as i64;
-        if last <= first && count < ENOUGH {
+        let least = if self.logarithmic { 3 } else { 2 };
+        if last - first + 1 < least && count < ENOUGH {
             return self.ticks(2 * count);
         }
         let ticks = (first..=last).map(|i| i as f64 * step).collect();
@@ -175,13 +179,26 @@ mod tests {
         assert_eq!(labels(80.0, 9000.0), ["10\u{b2}", "10\u{b3}"]);
         assert_eq!(labels(300.0, 5000.0), ["500", "1000", "2000", "5000"]);
         assert_eq!(labels(3900.0, 6100.0), ["4000", "5000", "6000"]);
-        assert_eq!(labels(0.03, 0.12), ["0.05", "0.1"]);
+        assert_eq!(labels(0.045, 0.12), ["0.05", "0.06", "0.07", "0.08", "0.09", "0.1"]);
+        assert_eq!(labels(14_900.0, 22_000.0), ["16000", "18000", "20000", "22000"]);
         assert_eq!(
             labels(2e7, 6e7),
             ["2\u{b7}10\u{2077}", "3\u{b7}10\u{2077}", "4\u{b7}10\u{2077}", "5\u{b7}10\u{2077}", "6\u{b7}10\u{2077}"]
         );
         let around = Axis::logarithmic_around("", [0.0, f64::NAN, 200.0, 5000.0].into_iter());
         assert!(around.low < 200.0 && around.low > 100.0 && around.high > 5000.0);
+    }
+
+    /// Axes of front speeds in ft/s had a single label.
+    #[test]
+    fn logarithmic_axes_of_any_length_have_three_labels() {
+        for k in 0..200 {
+            let low = 130.0 * 10_f64.powf(0.01 * f64::from(k));
+            for factor in [1.05, 1.2, 1.5, 2.0, 3.0, 4.9, 9.9, 30.0] {
+                let labels = Axis::logarithmic("", low, factor * low).labelled(5).0;
+                assert!(labels.len() > 2, "{low} to {}: {labels:?}", factor * low);
+            }
+        }
     }
 
     #[test]

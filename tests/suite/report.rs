@@ -233,6 +233,23 @@ fn front_speeds_are_on_a_logarithmic_axis() {
     }
 }
 
+/// In ft/s the axis had one label.
+#[test]
+fn an_axis_of_like_front_speeds_has_several_labels_in_any_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    start(&path, 3, 1e8).finish("done", &[front(5000.0, 1e8)], &[], RunFigures::default()).unwrap();
+    let file = ResultFile::open(&path).unwrap();
+    for (units, labels) in [(Units::Si, [">4000<", ">5000<", ">6000<"]), (Units::Us, [">14000<", ">16000<", ">18000<"])]
+    {
+        let figure = Figure { panels: vec![PanelName::FrontSpeeds], units, ..Figure::default() };
+        let svg = draw(&file, &figure).unwrap().svg();
+        for label in labels {
+            assert!(svg.contains(label), "{label} {svg}");
+        }
+    }
+}
+
 #[test]
 fn panels_are_drawn_alone_in_the_size_asked_for() {
     let folder = tempfile::tempdir().unwrap();

@@ -37,7 +37,7 @@ pub use end_rows::EndRows;
 pub use error_table::{ErrorTable, Measure, Worst};
 pub use figures::{
     Extreme, Figure, Figures, Fragments, Group, Profile, Records, ResidualProfile, SegmentEnd, Tally, definitions,
-    dimension_of, without_unit,
+    dimension_of, names as figure_names, without_unit,
 };
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;

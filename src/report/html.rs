@@ -59,6 +59,24 @@ pub(super) fn table(label: &str, head: &[String], rows: &[Vec<String>]) -> Strin
     )
 }
 
+/// Rows that a page lists of one table; a run can end with thousands of fronts.
+const MOST_ROWS: usize = 100;
+
+/// A table of the first rows of a table of the file, and how many more it has.
+pub(super) fn listed(
+    label: &str,
+    head: &[String],
+    rows: impl ExactSizeIterator<Item = Vec<String>>,
+    stored: &str,
+) -> String {
+    let left_out = rows.len().saturating_sub(MOST_ROWS);
+    let html = table(label, head, &rows.take(MOST_ROWS).collect::<Vec<_>>());
+    if left_out == 0 {
+        return html;
+    }
+    format!("{html}<p>... and {left_out} more, in the table {stored} of the file</p>\n")
+}
+
 /// Rules that lighten the lines and letters of drawings for dark paper; areas and what lies on a map keep their colours.
 fn dark_rules(drawings: &str) -> String {
     let mut colours = BTreeSet::new();

@@ -8,7 +8,7 @@ use super::layout::Content;
 use super::panel::{LinePanel, Series};
 use super::plot::colour;
 use crate::error::{InputError, Result};
-use crate::record::store::{ResultFile, StoredColumn, StoredImpact, StoredTable};
+use crate::record::store::{ResultFile, StoredColumn, StoredFigure, StoredImpact, StoredTable};
 
 /// Whole numbers below this are shown with all digits.
 const MOST_COUNT: f64 = 1e12;
@@ -103,15 +103,17 @@ fn shapes(impact: &StoredImpact, units: Units) -> Option<LinePanel> {
     })
 }
 
+/// The value of a figure with its unit.
+pub(super) fn shown(figure: &StoredFigure, units: Units) -> String {
+    let value = figure.value;
+    // Counts, and shares of exactly 0 or 1; plus zero takes the sign from -0.
+    let is_whole = figure.units == "1" && value.fract() == 0.0 && value.abs() < MOST_COUNT;
+    if is_whole { format!("{:.0}", value + 0.0) } else { units.of_symbol(&figure.units, value.abs()).show(value) }
+}
+
 /// Rows of the figures: what it is, value with unit.
 pub(super) fn figures(impact: &StoredImpact, units: Units) -> Vec<Vec<String>> {
-    let row = |(long_name, symbol, value): &(String, String, f64)| {
-        // Counts, and shares of exactly 0 or 1; plus zero takes the sign from -0.
-        let is_whole = symbol == "1" && value.fract() == 0.0 && value.abs() < MOST_COUNT;
-        let shown =
-            if is_whole { format!("{:.0}", value + 0.0) } else { units.of_symbol(symbol, value.abs()).show(*value) };
-        vec![long_name.clone(), shown]
-    };
+    let row = |figure: &StoredFigure| vec![figure.long_name.clone(), shown(figure, units)];
     let sentences = [("equation", &impact.equation), ("validity", &impact.validity)];
     let sentences =
         sentences.into_iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| vec![name.into(), text.clone()]);

@@ -25,6 +25,7 @@ mod pdf;
 pub mod plot;
 mod png;
 mod profiles;
+mod results;
 mod slider;
 mod svg;
 pub mod sweep;

@@ -1,24 +1,18 @@
 //! The page of a result file: figure and tables.
 
-use super::display::{Unit, Units, four_digits};
+use super::display::{PLAIN, Unit, Units, four_digits};
 use super::figure::{Figure, pictures};
-use super::html::{escape, html, table};
-use super::impact;
+use super::html::{escape, html, listed, table};
+use super::{impact, results};
 use crate::error::Result;
 use crate::record::FrontRow;
 use crate::record::store::{Metadata, ResultFile, StoredImpact};
 use crate::solver::Energies;
 
-/// A number without unit.
-const PLAIN: Unit = Unit { factor: 1.0, symbol: "" };
-
 /// Width and height of a panel of the page, px: scaled to a phone of 360 px its text is still 10 px high.
 const PANEL: [f64; 2] = [420.0, 330.0];
 
-/// Fronts that the page lists; a tracked run can end with thousands.
-const MOST_FRONTS: usize = 100;
-
-/// A self-contained HTML page: the panels, metadata, fronts, ledger, audit, materials, scene.
+/// A self-contained HTML page: the panels, metadata, figures, ruptures, fronts, ledger, audit, materials, scene.
 ///
 /// # Errors
 /// As for [`draw`](super::draw).
@@ -28,6 +22,7 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     if let Some(impact) = file.impact()? {
         return impact_page(file, &impact, &panels, units);
     }
+    let (results, ruptures) = (results::figures(file, units)?, results::ruptures(file, units)?);
     let fronts = fronts_table(file, units)?;
     let ledger = ledger_table(file, units)?;
     let audit = audit_list(file, units)?;
@@ -36,6 +31,8 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     let about = metadata_table(metadata, units);
     let mut sections = vec![("", panels.as_str()), ("Run", about.as_str())];
     let optional = [
+        ("Results", &results),
+        ("Ruptures", &ruptures),
         ("Fronts", &fronts),
         ("Ledger", &ledger),
         ("Neglected effects", &audit),
@@ -154,13 +151,7 @@ fn fronts_table(file: &ResultFile, units: Units) -> Result<String> {
         let arrivals = front.arrivals.iter().map(|t| time.number(*t));
         front_cells(front, units, length).into_iter().chain(arrivals).collect()
     };
-    let rows: Vec<Vec<String>> = fronts.iter().take(MOST_FRONTS).map(row).collect();
-    let html = table("Fronts", &head, &rows);
-    let left_out = fronts.len() - rows.len();
-    if left_out == 0 {
-        return Ok(html);
-    }
-    Ok(format!("{html}<p>... and {left_out} more, in the table /fronts of the file</p>\n"))
+    Ok(listed("Fronts", &head, fronts.iter().map(row), "/fronts"))
 }
 
 fn front_head(units: Units, length: Unit) -> [String; 9] {

@@ -9,11 +9,12 @@ use super::drawing::{Picture, RUPTURE, Stroke};
 use super::grid::{DASHES, Panel, draw_from};
 use super::panel::Series;
 use super::plot::colour;
+use super::results::{place_name, words};
 use crate::record::{dimension_of, without_unit};
 use crate::study::sweep::{Axis, Combine, Plan, Row, Status};
 
 /// Metrics that are drawn where the sweep file names none.
-const USUAL: [&str; 10] = [
+const USUAL: [&str; 11] = [
     "left.peak_force_N",
     "left.peak_torque_N_m",
     "left.peak_stress_Pa",
@@ -22,6 +23,7 @@ const USUAL: [&str; 10] = [
     "right.peak_stress_Pa",
     "largest_plastic_strain",
     "permanent_elongation_m",
+    "permanent_twist_rad",
     "energy_absorbed_J",
     "left.restitution",
 ];
@@ -121,13 +123,12 @@ fn unit(symbol: &str, values: impl Iterator<Item = f64>) -> Unit {
 fn spoken(metric: &str) -> String {
     let name = without_unit(metric.strip_prefix("figures.").unwrap_or(metric));
     let (place, name) = name.rsplit_once('.').unwrap_or(("", name));
-    let words = name.replace('_', " ");
+    let words = words(name);
     match place.split_once('.').unwrap_or((place, "")) {
         ("", _) => words,
-        (end @ ("left" | "right"), "") => format!("{words} at the {end} end"),
-        ("joints", which) => format!("{words} at joint {which}"),
-        ("segments", which) => format!("{words} of segment {which}"),
-        ("gauges", which) => format!("{words} at gauge {which}"),
+        (end @ ("left" | "right"), "") => format!("{words} at the {}", place_name(end, "")),
+        (kind @ ("joints" | "gauges"), which) => format!("{words} at {}", place_name(kind, which)),
+        (kind @ ("segments" | "fragments"), which) => format!("{words} of {}", place_name(kind, which)),
         _ => format!("{words} ({})", place.replace(['.', '_'], " ")),
     }
 }

@@ -27,7 +27,7 @@ fn stopped(name: &str, sets: &[&str], call: usize) -> (String, String, StoredImp
 }
 
 fn has(impact: &StoredImpact, long_name: &str) -> bool {
-    impact.figures.iter().any(|(name, ..)| name.contains(long_name))
+    impact.figures.iter().any(|figure| figure.long_name.contains(long_name))
 }
 
 #[test]

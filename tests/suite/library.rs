@@ -200,7 +200,7 @@ fn files_of_impacts_spell_units_as_those_of_bars_and_name_each_material_once() {
     run::run_impact(&impact, Some(&path), &mut |_| ControlFlow::Continue(())).expect("it runs");
     let file = ResultFile::open(&path).expect("a result");
     let stored = file.impact().expect("readable").expect("an impact");
-    let units: Vec<&str> = stored.figures.iter().map(|(_, units, _)| units.as_str()).collect();
+    let units: Vec<&str> = stored.figures.iter().map(|figure| figure.units.as_str()).collect();
     assert!(units.contains(&"N s") && !units.iter().any(|units| units.contains('*')), "{units:?}");
     assert_eq!(file.materials().expect("readable").len(), 1);
     run_to(&pulled().build().expect("a right scene"), &bar).expect("it runs");

@@ -158,3 +158,61 @@ fn what_is_not_a_number_is_a_gap_and_no_text() {
     assert!(embedded(&page)[2].iter().all(|value| value.is_nan()));
     assert!(!page.split_once("</script>").unwrap().0.contains("NaN"));
 }
+
+/// Numbers in the rows of a table of a page, found by its label; not a number where there is a text.
+fn table_of(page: &str, label: &str) -> (Vec<String>, Vec<Vec<String>>) {
+    let (_, rest) = page.split_once(&format!("aria-label=\"{label}\">")).unwrap();
+    let table = rest.split_once("</table>").unwrap().0;
+    let cells = |row: &str| -> Vec<String> {
+        let cell = |cell: &str| cell.split_once('>').unwrap().1.split_once('<').unwrap().0.to_owned();
+        row.replace("<td", "\n<t").replace("<th", "\n<t").split("\n<t").skip(1).map(cell).collect()
+    };
+    let mut rows = table.split("<tr>").skip(1).map(cells);
+    let head = rows.next().unwrap();
+    (head, rows.collect())
+}
+
+/// A number of a table with the four digits that it shows.
+fn assert_shows(cell: &str, value: f64) {
+    let shown: f64 = cell.replace('\u{2212}', "-").parse().unwrap();
+    assert!((shown - value).abs() <= 6e-4 * value.abs(), "{cell}: {value}");
+}
+
+/// Pages of bars had neither the figures nor the ruptures.
+#[test]
+fn a_page_has_the_figures_and_the_ruptures_of_a_bar() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = format!("{}/runs/spall.toml", env!("CARGO_MANIFEST_DIR"));
+    let summary = binary::json(folder.path(), &["run", &scene, "-o", "a.h5", "--json"]);
+    let page = of(&folder.path().join("a.h5"));
+    assert!(page.contains("<h2>Results</h2>") && page.contains("<h2>Ruptures</h2>"));
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let (head, rows) = table_of(&page, "Results of each end or joint");
+    assert_eq!(head[..4], ["end or joint", "peak force (kN)", "time of peak (\u{b5}s)", "impulse (N\u{b7}s)"]);
+    for (row, side) in rows.iter().zip(["left", "right"]) {
+        let figures = &summary["figures"][side];
+        assert_eq!(row[0], format!("{side} end"));
+        assert_shows(&row[3], number(&figures["impulse_N_s"]));
+    }
+    let (head, rows) = table_of(&page, "Results of each fragment");
+    let fragments = summary["figures"]["fragments"].as_object().unwrap();
+    assert_eq!((rows.len(), head[4].as_str()), (fragments.len(), "velocity (m/s)"));
+    assert!(rows.len() > 1);
+    for (k, row) in rows.iter().enumerate() {
+        assert_shows(&row[4], number(&fragments[&(k + 1).to_string()]["velocity_m_s"]));
+    }
+    let (head, rows) = table_of(&page, "Ruptures");
+    assert_eq!(head[..4], ["site", "cause", "x (mm)", "time (\u{b5}s)"]);
+    let ruptures = summary["ruptures"].as_array().unwrap();
+    assert_eq!(rows.len(), ruptures.len());
+    for (row, rupture) in rows.iter().zip(ruptures) {
+        assert_eq!(
+            (row[0].as_str(), row[1].as_str()),
+            (rupture["site"].as_str().unwrap(), rupture["cause"].as_str().unwrap())
+        );
+        assert_shows(&row[2], 1e3 * number(&rupture["x_m"]));
+        assert_shows(&row[3], 1e6 * number(&rupture["time_s"]));
+    }
+    let (_, bar) = page.split_once("aria-label=\"Results of the bar\"").unwrap();
+    assert!(bar.split_once("</table>").unwrap().0.contains("energy absorbed"));
+}

@@ -216,6 +216,14 @@ pub(super) static GAUGE: &[Definition<Gauge>] = &[
     }),
 ];
 
+/// The names of all figures in the order of their definitions; some are those of several places.
+pub fn names() -> Vec<&'static str> {
+    fn of<S>(table: &[Definition<S>]) -> impl Iterator<Item = &'static str> {
+        table.iter().map(|d| d.name)
+    }
+    of(PART).chain(of(LOAD)).chain(of(END)).chain(of(JOINT)).chain(of(FRAGMENT)).chain(of(GAUGE)).collect()
+}
+
 /// Every figure for a reference: its group, JSON key, unit and description.
 pub fn definitions() -> Vec<[String; 4]> {
     fn rows<S>(place: &str, table: &[Definition<S>]) -> Vec<[String; 4]> {

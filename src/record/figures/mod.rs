@@ -14,7 +14,7 @@ mod tally;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-pub use definitions::{Definition, definitions};
+pub use definitions::{Definition, definitions, names};
 pub use fragment::Fragments;
 pub use profile::ResidualProfile;
 pub use records::{Records, SegmentEnd};

@@ -1,10 +1,12 @@
 //! The figures of a run: `/figures` of its result file.
 
-use hdf5::{File, Group};
+use hdf5::{Dataset, File, Group};
 
 use super::Figures;
-use super::attributes::describe;
+use super::attributes::{describe, get_text};
+use super::read::{ResultFile, gauge_groups};
 use super::scales::attach;
+use crate::error::Result;
 use crate::record::Profile;
 
 type Hdf<T> = hdf5::Result<T>;
@@ -55,4 +57,76 @@ fn write_profile(place: &Group, profile: &Profile) -> Hdf<()> {
         describe(&dataset, "1", description)?;
     }
     attach(place, &[POSITION], &[profile.name])
+}
+
+/// A figure as a reader sees it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredFigure {
+    /// Without its unit.
+    pub name: String,
+    /// What it is.
+    pub long_name: String,
+    /// SI unit; "1" of plain numbers.
+    pub units: String,
+    /// SI.
+    pub value: f64,
+}
+
+/// The figures of a place of a bar as a reader sees them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StoredPlace {
+    /// "left", "right", "joints", "gauges", "segments" or "fragments"; empty for the whole bar.
+    pub kind: &'static str,
+    /// Which of several: the number, or the name of a gauge; empty where there is one only.
+    pub name: String,
+    /// In the order of their names.
+    pub figures: Vec<StoredFigure>,
+}
+
+/// The scalars of a group.
+pub(super) fn scalars(group: &Group) -> Hdf<Vec<StoredFigure>> {
+    let datasets = group.datasets()?;
+    let read = |dataset: &Dataset| {
+        let name = dataset.name().rsplit('/').next().unwrap_or_default().to_owned();
+        let (long_name, units) = (get_text(dataset, "long_name")?, get_text(dataset, "units")?);
+        Ok(StoredFigure { name, long_name, units, value: dataset.read_scalar()? })
+    };
+    datasets.iter().filter(|dataset| dataset.is_scalar()).map(read).collect()
+}
+
+impl ResultFile {
+    /// The figures of a run of a bar, place by place; none in an unfinished file.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn figures(&self) -> Result<Vec<StoredPlace>> {
+        self.run(|file| {
+            if !file.link_exists("figures") {
+                return Ok(Vec::new());
+            }
+            let all = file.group("figures")?;
+            let mut places = vec![StoredPlace { kind: "", name: String::new(), figures: scalars(&all)? }];
+            for kind in ["left", "right"].into_iter().filter(|kind| all.link_exists(kind)) {
+                places.push(StoredPlace { kind, name: String::new(), figures: scalars(&all.group(kind)?)? });
+            }
+            for kind in ["joints", "gauges", "segments", "fragments"].into_iter().filter(|kind| all.link_exists(kind)) {
+                let group = all.group(kind)?;
+                for (link, name) in names(file, &group, kind)? {
+                    places.push(StoredPlace { kind, name, figures: scalars(&group.group(&link)?)? });
+                }
+            }
+            Ok(places)
+        })
+    }
+}
+
+/// Links to the places of a kind and their names, in the order of the scene: links are in alphabetical order, 10 before 2.
+fn names(file: &File, group: &Group, kind: &str) -> Hdf<Vec<(String, String)>> {
+    if kind == "gauges" {
+        let gauges = gauge_groups(file)?.into_iter().filter(|(link, _)| group.link_exists(link));
+        return gauges.map(|(link, gauge)| Ok((link, get_text(&gauge, "name")?))).collect();
+    }
+    let mut links = group.member_names()?;
+    links.sort_by_key(|link| link.parse::<u64>().ok());
+    Ok(links.into_iter().map(|link| (link.clone(), link)).collect())
 }

@@ -7,6 +7,7 @@ use hdf5::Group;
 use super::attributes::{describe, get, get_text, put, put_quantity, put_text, text};
 use super::claim::in_place;
 use super::create::{build_materials, build_root};
+use super::figures::{StoredFigure, scalars};
 use super::scales::attach;
 use super::{Header, MaterialRecord, ResultFile, bounded};
 use crate::error::{InputError, Result};
@@ -130,8 +131,8 @@ pub struct StoredImpact {
     pub equation: String,
     /// Their range.
     pub validity: String,
-    /// Long name, unit and value of each figure.
-    pub figures: Vec<(String, String, f64)>,
+    /// Those of a gauge have its name before their own.
+    pub figures: Vec<StoredFigure>,
     /// Histories.
     pub tables: Vec<StoredTable>,
     /// Deflected shapes.
@@ -176,7 +177,7 @@ impl ResultFile {
 
 fn read(kind: String, group: &Group) -> Hdf<StoredImpact> {
     let sentence = |name| get_text(group, name).unwrap_or_default();
-    let mut figures = read_figures(group, "")?;
+    let mut figures = scalars(group)?;
     let mut tables = Vec::new();
     for (parent, prefix) in [("contact", ""), ("gauges", "*"), ("ledger", "")] {
         if !group.link_exists(parent) {
@@ -189,7 +190,11 @@ fn read(kind: String, group: &Group) -> Hdf<StoredImpact> {
             let groups = parent.groups()?;
             let mut gauges = groups.iter().map(read_table).collect::<Hdf<Vec<_>>>()?;
             for (group, table) in groups.iter().zip(&gauges) {
-                figures.extend(read_figures(group, &format!("gauge {}: ", table.name))?);
+                let of_gauge = |figure: StoredFigure| StoredFigure {
+                    long_name: format!("gauge {}: {}", table.name, figure.long_name),
+                    ..figure
+                };
+                figures.extend(scalars(group)?.into_iter().map(of_gauge));
             }
             gauges.sort_by(|a, b| a.x.unwrap_or(0.0).total_cmp(&b.x.unwrap_or(0.0)));
             tables.extend(gauges);
@@ -198,17 +203,6 @@ fn read(kind: String, group: &Group) -> Hdf<StoredImpact> {
     let shapes =
         group.link_exists("shapes").then(|| group.group("shapes").and_then(|g| read_shapes(&g))).transpose()?;
     Ok(StoredImpact { kind, equation: sentence("equation"), validity: sentence("validity"), figures, tables, shapes })
-}
-
-/// The scalars of a group; `place` stands before their names.
-fn read_figures(group: &Group, place: &str) -> Hdf<Vec<(String, String, f64)>> {
-    let datasets = group.datasets()?;
-    let scalars = datasets.iter().filter(|dataset| dataset.is_scalar());
-    let read = |dataset: &hdf5::Dataset| {
-        let long_name = get_text(dataset, "long_name")?;
-        Ok((format!("{place}{long_name}"), get_text(dataset, "units")?, dataset.read_scalar()?))
-    };
-    scalars.map(read).collect()
 }
 
 fn read_table(group: &Group) -> Hdf<StoredTable> {

@@ -429,7 +429,7 @@ fn present(file: &File) -> Vec<Field> {
 }
 
 /// Gauge groups with their link names, in the scene's order (links are kept in alphabetical order).
-fn gauge_groups(file: &File) -> Hdf<Vec<(String, Group)>> {
+pub(super) fn gauge_groups(file: &File) -> Hdf<Vec<(String, Group)>> {
     let gauges = file.group("gauges")?;
     let mut groups = Vec::new();
     for name in gauges.member_names()? {

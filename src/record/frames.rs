@@ -22,7 +22,7 @@ pub struct Frames {
 pub struct Twisted {
     /// R, m.
     pub radius: f64,
-    /// J/R at each sample, m^3.
+    /// J/R at each sample, or of each segment, m^3.
     pub torque_per_stress: Vec<f64>,
 }
 

@@ -614,7 +614,10 @@ fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
     Records {
         bar: &scene.1.bar,
         ends: [&scene.1.left, &scene.1.right],
-        torque_per_stress: scene.1.torsion.as_ref().map(|torsion| torsion.torque_per_stress().collect()),
+        twisted: scene.1.torsion.as_ref().map(|torsion| Twisted {
+            radius: torsion.radius,
+            torque_per_stress: torsion.torque_per_stress().collect(),
+        }),
         levers: levers(scene.1),
         gauges: scene.1.record.gauges.iter().map(|gauge| gauge.0.as_str()).collect(),
         tally,

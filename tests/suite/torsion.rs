@@ -171,6 +171,89 @@ fn a_flywheel_s_angular_momentum_and_energy_go_into_the_rod() {
     }
 }
 
+const METHODS: [(&str, f64); 4] = [
+    ("cells = 800", 3e-3),
+    ("scheme = \"muscl\"\ncells = 800", 3e-3),
+    // Displacements are read 1e-9 of the length beside joints.
+    ("method = \"moc\"\nfront-tolerance = 0", 1e-8),
+    // The characteristic net is for bars that depend on the rate.
+    ("method = \"moc\"\ncells = 800\n[effects]\nrate = { model = \"malvern\", k = 1e6 }", 3e-3),
+];
+
+/// There were neither angular impulses nor angles of twist: a torque T for the time t gives T t, and the wave twists G J theta' = T.
+#[test]
+fn a_constant_torque_gives_its_angular_impulse_to_an_elastic_rod() {
+    let polar = 0.5 * std::f64::consts::PI * 0.01_f64.powi(4);
+    let speed = (80e9_f64 / 7800.0).sqrt();
+    let segment = |length: f64| {
+        format!(
+            "[[bar.segment]]\nlength = {length}\ndiameter = 0.02\nmaterial = {{ name = \"s\", loading = \"shear\", {TABLE} }}\n"
+        )
+    };
+    for (solve, tolerance) in METHODS {
+        let text = format!(
+            "[bar]\nmode = \"torsion\"\n{}{}[left]\nkind = \"torque\"\nvalue = 100\n[right]\nkind = \"free\"\n\
+             [solve]\nuntil = {:e}\n{solve}\n",
+            segment(0.25),
+            segment(0.75),
+            0.75 / speed
+        );
+        let (summary, file, _folder) = run_to_file(&parse(&text));
+        let time = summary.end_time_s;
+        let near = |path: &[&str], name: &str, expected: f64| {
+            let found = summary.figures.get(path, name).unwrap_or_else(|| panic!("{solve}: no {name} at {path:?}"));
+            let scale = expected.abs().max(1e-9);
+            assert!((found - expected).abs() <= tolerance * scale, "{solve} {path:?} {name}: {found:e} {expected:e}");
+        };
+        // A positive torque turns the left end backwards, as tension pulls it.
+        near(&["left"], "angular_impulse", -100.0 * time);
+        near(&["right"], "angular_impulse", 0.0);
+        near(&["joints", "1"], "angular_impulse", -100.0 * (time - 0.25 / speed));
+        near(&[], "angle_of_twist", 100.0 / (80e9 * polar) * speed * time);
+        near(&["segments", "1"], "angle_of_twist", 100.0 / (80e9 * polar) * 0.25);
+        near(&[], "permanent_twist", 0.0);
+        let stored = file.figures().expect("figures");
+        let left = stored.iter().find(|place| place.kind == "left").expect("the left end");
+        let impulse = left.figures.iter().find(|figure| figure.name == "angular_impulse").expect("an impulse");
+        assert_eq!(
+            (impulse.units.as_str(), Some(impulse.value)),
+            ("N m s", summary.figures.get(&["left"], "angular_impulse"))
+        );
+    }
+}
+
+/// A tube that hardens linearly, twisted at one end: elastic and plastic front run into it at speeds of their own.
+#[test]
+fn the_permanent_twist_of_a_tube_is_that_of_its_plastic_front() {
+    let (radius, omega) = (0.0125, 1500.0);
+    let (elastic, plastic) = ((80e9_f64 / 7800.0).sqrt(), (240e6_f64 / 0.098 / 7800.0).sqrt());
+    let behind = 0.002 + (radius * omega - 0.002 * elastic) / plastic;
+    let stress = 160e6 + 240e6 / 0.098 * (behind - 0.002);
+    for (solve, tolerance) in &METHODS[..3] {
+        let rest = format!("[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = 2e-4\n{solve}\n");
+        let left = format!("kind = \"velocity\"\nvalue = \"{omega} rad/s\"");
+        let scene = scene(&tube("diameter = \"26 mm\"\nwall = \"1 mm\""), &left, "kind = \"free\"", &rest);
+        let (summary, _, _folder) = run_to_file(&scene);
+        let time = summary.end_time_s;
+        let get = |name: &str| summary.figures.get(&[], name).unwrap_or_else(|| panic!("{solve}: no {name}"));
+        let permanent = -(behind - stress / 80e9) * plastic * time / radius;
+        println!(
+            "{solve}: {:e} {permanent:e}, {:e} {:e}",
+            get("permanent_twist"),
+            get("angle_of_twist"),
+            -omega * time
+        );
+        assert!((get("permanent_twist") / permanent - 1.0).abs() < 3.0 * tolerance, "{solve}");
+        // The right end has not moved yet.
+        assert!((get("angle_of_twist") / (-omega * time) - 1.0).abs() < *tolerance, "{solve}");
+        let whole = summary.figures.0.iter().find(|group| group.path.is_empty()).expect("the bar");
+        let profile = &whole.profile.as_ref().expect("a profile").values;
+        let of_profile = profile.iter().sum::<f64>() / profile.len() as f64 / radius;
+        assert!((get("permanent_twist") / of_profile - 1.0).abs() < 1e-9, "{solve}");
+        assert!(summary.figures.get(&[], "permanent_elongation").is_none(), "{solve}");
+    }
+}
+
 /// A step from solid to bored: T and omega are continuous, and J rules what is reflected.
 #[test]
 fn a_change_of_bore_reflects_as_the_polar_moments_say() {

@@ -28,7 +28,9 @@ pub(super) struct Site {
     pub area: Option<f64>,
     /// Torque over stress at the surface, m^3; none in axial bars.
     pub torque_per_stress: Option<f64>,
-    /// N s in +x, on what is right of the joint, or on the bar; none where it is not known.
+    /// Radius of the surface, m; none in axial bars.
+    pub radius: Option<f64>,
+    /// N s in +x (in torsion that of the surface), on what is right of the joint, or on the bar; none where it is not known.
     pub impulse: Option<f64>,
     /// None where nothing can part.
     pub contact: Option<ContactTime>,
@@ -88,7 +90,8 @@ fn end(records: &Records<'_>, bodies: &[Body], side: usize) -> Site {
         load: records.tally.ends[side],
         area: records.area(area),
         torque_per_stress: records.torque_per_stress(segment),
-        impulse: (!records.is_twisted()).then(|| records.account.impulse[side] + 0.0),
+        radius: records.radius(),
+        impulse: Some(records.account.impulse[side] + 0.0),
         contact: contact(records, face),
         restitution: restitution(pair),
         striker_after: records.strikers[side].and(outside).map(|motion| records.levers[side] * motion.after),
@@ -125,6 +128,7 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
         load,
         area: records.area(area),
         torque_per_stress: records.torque_per_stress(k),
+        radius: records.radius(),
         impulse: impulse_across(records, k),
         contact: contact(records, face),
         restitution: restitution(motions.map(|motion| motion.and_then(|(_, paired)| paired))),
@@ -135,14 +139,13 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
 
 /// Impulse across the joint behind segment k on what is right of it, by the balance of momentum of what is left of it.
 fn impulse_across(records: &Records<'_>, k: usize) -> Option<f64> {
-    let known = !records.is_twisted() && records.is_pushed_at_faces_only();
     let gained = |(end, segment): (&SegmentEnd, &Segment)| end.momentum - end.mass * segment.velocity;
     let gained: f64 = records.segments.iter().zip(&records.bar.segments).take(k + 1).map(gained).sum();
     let across = records.account.impulse[0] - gained;
     // What is left of parts that cancel is rounding.
     let held: f64 = records.segments.iter().map(|end| end.momentum.abs()).sum();
     let rounding = ROUNDING * records.account.momentum_scale.max(held);
-    known.then_some(if across.abs() > rounding { across } else { 0.0 })
+    records.is_pushed_at_faces_only().then_some(if across.abs() > rounding { across } else { 0.0 })
 }
 
 /// Relative velocity of separation over that of approach of the bodies on the left and on the right.
@@ -241,12 +244,17 @@ impl Records<'_> {
     }
 
     fn torque_per_stress(&self, segment: usize) -> Option<f64> {
-        self.torque_per_stress.as_ref().map(|all| all[segment])
+        self.twisted.as_ref().map(|twisted| twisted.torque_per_stress[segment])
+    }
+
+    /// Of the surface of a bar in torsion, m.
+    pub(super) fn radius(&self) -> Option<f64> {
+        self.twisted.as_ref().map(|twisted| twisted.radius)
     }
 
     /// Stresses are those of the surface.
     pub(super) fn is_twisted(&self) -> bool {
-        self.torque_per_stress.is_some()
+        self.twisted.is_some()
     }
 
     /// Nothing acts along the bar, but for rounding.

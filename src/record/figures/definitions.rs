@@ -77,6 +77,17 @@ pub(super) static PART: &[Definition<Part>] = &[
         |part| part.length.map(|[first, last]| last - first),
     ),
     row(
+        ("angle_of_twist", Dimension::Angle, "angle of twist"),
+        "rotation of the right end against the left one at the end of the run, the integral of the shear strain at the surface over its \
+         radius, in torsion; of the bar only if all joints are bonded",
+        |part| part.twist.map(|[now, _]| now),
+    ),
+    row(
+        ("permanent_twist", Dimension::Angle, "permanent twist"),
+        "angle of twist after elastic unloading of every section, the integral of the plastic shear strain at the surface over its radius",
+        |part| part.twist.map(|[_, unloaded]| unloaded),
+    ),
+    row(
         ("energy_absorbed", Dimension::Energy, "energy absorbed"),
         "energy dissipated in the bar by plastic flow, shocks and fracture; needs an area",
         |part| part.absorbed,
@@ -127,7 +138,12 @@ pub(super) static LOAD: &[Definition<Site>] = &[
     row(
         ("impulse_per_area", Dimension::Viscosity, "impulse"),
         "impulse per area of the section, in bars without an area",
-        |site| if site.area.is_none() { site.impulse } else { None },
+        |site| if site.area.is_none() && site.radius.is_none() { site.impulse } else { None },
+    ),
+    row(
+        ("angular_impulse", Dimension::AngularImpulse, "angular impulse"),
+        "angular impulse given to the bar at this end, or across this joint to the part on its right, in torsion",
+        |site| Some(site.radius? * site.impulse?),
     ),
     row(
         ("contact_duration", Dimension::Time, "contact for"),

@@ -49,6 +49,7 @@ impl Records<'_> {
         let volume: f64 = self.bar.segments.iter().map(|segment| segment.area * segment.length).sum();
         let part = Part {
             length: (bonded && !self.is_twisted()).then(|| lengths(length, &end)),
+            twist: self.radius().filter(|_| bonded).map(|radius| twist(radius, length, &end)),
             end,
             absorbed: self.bar.area_given.then_some(absorbed),
             // The strains of a twisted section differ from its surface's.
@@ -61,17 +62,27 @@ impl Records<'_> {
 
     fn segment(&self, k: usize) -> Group {
         let (end, length) = (self.segments[k], self.bar.segments[k].length);
+        let twist = self.radius().map(|radius| twist(radius, length, &end));
         let length = (!self.is_twisted()).then(|| lengths(length, &end));
-        let part = Part { length, end, absorbed: None, absorbed_per_volume: None };
+        let part = Part { length, twist, end, absorbed: None, absorbed_per_volume: None };
         let number = (k + 1).to_string();
         group(&["segments", &number], &format!("segment {number}"), end.accumulated > 0.0, PART.figures(&part))
     }
 }
 
-/// Undeformed and after elastic unloading, m. An elongation that is the rounding of a length is none.
+/// Undeformed and after elastic unloading, m.
 fn lengths(length: f64, end: &SegmentEnd) -> [f64; 2] {
-    let plastic = if end.plastic_elongation.abs() > 1e-11 * length { end.plastic_elongation } else { 0.0 };
-    [length, length + plastic]
+    [length, length + beyond_rounding(end.plastic_elongation, length)]
+}
+
+/// Rotation of the right end against the left one, and after elastic unloading, rad: the surface moves by the radius times it.
+fn twist(radius: f64, length: f64, end: &SegmentEnd) -> [f64; 2] {
+    [end.elongation, end.plastic_elongation].map(|moved| beyond_rounding(moved, length) / radius)
+}
+
+/// An elongation that is the rounding of a length is none.
+fn beyond_rounding(elongation: f64, length: f64) -> f64 {
+    if elongation.abs() > 1e-11 * length { elongation } else { 0.0 }
 }
 
 fn place(path: &[&str], label: &str, site: &Site, more: &[super::Definition<Site>]) -> Group {

@@ -3,7 +3,7 @@
 use super::fragment::Fragments;
 use super::tally::{Extreme, Tally};
 use crate::bar::{Bar, EndCondition};
-use crate::record::{Account, ContactReading};
+use crate::record::{Account, ContactReading, Twisted};
 
 /// A segment at the end of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -41,8 +41,8 @@ pub struct Records<'a> {
     pub bar: &'a Bar,
     /// Its ends.
     pub ends: [&'a EndCondition; 2],
-    /// Of a bar that is twisted, whose stresses are those of its surface: torque over stress of each segment, m^3.
-    pub torque_per_stress: Option<Vec<f64>>,
+    /// Of a bar that is twisted, whose stresses are those of its surface: torque over stress of each segment.
+    pub twisted: Option<Twisted>,
     /// Velocities of bodies at the ends of their own over those with which they move the bar there.
     pub levers: [f64; 2],
     /// Names of the gauges.
@@ -73,6 +73,9 @@ pub struct Records<'a> {
 pub(super) struct Part {
     /// None where the parts are not joined, and in torsion.
     pub length: Option<[f64; 2]>,
+    /// Rotation of its right end against the left one, and what is left of it after elastic unloading, rad; none where the parts are not joined,
+    /// and in axial bars.
+    pub twist: Option<[f64; 2]>,
     pub end: SegmentEnd,
     /// J; none for a part of the bar, and where the scene gives no area.
     pub absorbed: Option<f64>,

@@ -2,36 +2,11 @@
 
 use super::solid::{Elastic, Solid};
 use crate::error::InputError;
-use crate::input::Allowed;
+use crate::input::{Allowed, Checked, member, positive, positive_or_infinite};
 use crate::units::Dimension;
-
-pub(super) type Checked = Result<(), InputError>;
 
 /// Tolerances of an integration.
 pub(super) const TOLERANCES: Allowed = Allowed::Between(0.0, 1.0);
-
-/// A number that has to lie in a range.
-pub(super) fn member(name: &str, value: f64, dimension: Dimension, allowed: Allowed) -> Checked {
-    if allowed.holds(value) {
-        return Ok(());
-    }
-    let last = name.rsplit('.').next().unwrap_or(name);
-    Err(out_of_range(name, value).allowed(allowed.describe(last, dimension)))
-}
-
-/// Numbers that have to be positive.
-pub(super) fn positive<const N: usize>(members: [(&str, f64, Dimension); N]) -> Checked {
-    members.into_iter().try_for_each(|(name, value, dimension)| member(name, value, dimension, Allowed::Positive))
-}
-
-/// A number that has to be positive, and may be infinite.
-pub(super) fn positive_or_infinite(name: &str, value: f64, dimension: Dimension) -> Checked {
-    if value == f64::INFINITY { Ok(()) } else { member(name, value, dimension, Allowed::Positive) }
-}
-
-fn out_of_range(name: &str, value: f64) -> InputError {
-    InputError::new(format!("{value} is out of range")).key(name).help(format!("set `{name}` to a value in this range"))
-}
 
 /// Velocities (m/s) with which a striker meets another body, in the member of this name.
 pub(super) fn meet(name: &str, striker: f64, struck: f64) -> Checked {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::check::{Checked, TOLERANCES, member, positive};
+use super::check::TOLERANCES;
 use super::contact::{Contact, Horizon, System};
 use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
@@ -10,6 +10,7 @@ use super::solid::{Elastic, Solid, judge, wide_for_plate};
 use super::solution::{Figure, Line, Solution, Table, ratio};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
+use crate::input::{Checked, member, positive};
 use crate::units::Dimension::{self, Force, Length, None as Plain, Time, Velocity};
 
 /// The coefficient of restitution tends to this part of lambda^-5, within 0.1 % from lambda = 3 on (by integration).

@@ -4,10 +4,9 @@
 //! How the stress builds up is left out, and so is that the body may strike faster than the specimen can carry the strain
 //! away: above the critical velocity a bar breaks with less. A run of the bar itself (`[bar]`) knows both.
 
-use super::check::{Checked, member, positive, positive_or_infinite};
 use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
-use crate::input::Allowed;
+use crate::input::{Allowed, Checked, member, positive, positive_or_infinite};
 use crate::material::{Curve, Ultimate};
 use crate::units::Dimension::{Area, Energy, EnergyDensity, Length, Mass, None as Plain, Velocity};
 use crate::units::{System, format};
@@ -169,7 +168,7 @@ impl Problem for Blow {
             Toughness::PerVolume(energy) => positive([("specimen.toughness", *energy, EnergyDensity)]),
             Toughness::Curve { notch, elastic, critical, ultimate, .. } => {
                 positive([("specimen.toughness.ultimate.strain", ultimate.strain, Plain)])?;
-                member("specimen.toughness.notch", *notch, Plain, Allowed::Within(1.0, f64::MAX))?;
+                member("specimen.toughness.notch", *notch, Plain, Allowed::Within(1.0, f64::INFINITY))?;
                 member("specimen.toughness.elastic", *elastic, Plain, Allowed::NotNegative)?;
                 positive_or_infinite("specimen.toughness.critical", *critical, Velocity)
             }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-use super::check::{Checked, TOLERANCES, meet, member, positive, positive_or_infinite};
+use super::check::{TOLERANCES, meet};
 use super::contact::{Contact, Horizon, System};
 use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
@@ -11,7 +11,7 @@ use super::solid::{Elastic, Solid, judge};
 use super::solution::{Figure, Line, Solution, Table};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
-use crate::input::Allowed;
+use crate::input::{Allowed, Checked, member, positive, positive_or_infinite};
 use crate::units::Dimension::{self, Energy, Force, Length, Mass, None as Plain, Time, Velocity};
 
 /// Part of the energy that vibrates in the spheres, or leaves in waves, from which on Hertz's theory is left.

@@ -42,21 +42,40 @@ impl Allowed {
             "" => String::new(),
             symbol => format!(" {symbol}"),
         };
-        match self {
-            Self::Finite => "any finite number".into(),
-            Self::Positive => format!("{name} > 0"),
-            Self::NotNegative => format!("{name} >= 0"),
-            Self::Within(low, high) => format!("{} <= {name} <= {high}{unit}", bound(low)),
-            Self::Above(low, high) => format!("{} < {name} <= {high}{unit}", bound(low)),
-            Self::Below(low, high) => format!("{} <= {name} < {high}{unit}", bound(low)),
-            Self::Between(low, high) => format!("{} < {name} < {high}{unit}", bound(low)),
+        let (low, less, up_to, high) = match self {
+            Self::Finite => return "any finite number".into(),
+            Self::Positive => return format!("{name} > 0"),
+            Self::NotNegative => return format!("{name} >= 0"),
+            Self::Within(low, high) => (low, "<=", "<=", high),
+            Self::Above(low, high) => (low, "<", "<=", high),
+            Self::Below(low, high) => (low, "<=", "<", high),
+            Self::Between(low, high) => (low, "<", "<", high),
+        };
+        match (low == f64::NEG_INFINITY, high == f64::INFINITY) {
+            (false, false) => format!("{} {less} {name} {up_to} {}{unit}", shown(low), shown(high)),
+            (true, false) => format!("{name} {up_to} {}{unit}", shown(high)),
+            (false, true) => format!("{name} {} {}{unit}", less.replace('<', ">"), shown(low)),
+            (true, true) => "any finite number".into(),
         }
+    }
+
+    /// The magnitudes that a value (SI) in the range can have, where it has none of them: no computation makes sense with it. Values that may be
+    /// zero may be as small as they like.
+    pub(super) fn impossible(self, name: &str, value: f64, dimension: Dimension) -> Option<String> {
+        let range = dimension.magnitudes();
+        let least = if matches!(self, Self::Positive) { range.least } else { 0.0 };
+        if (least..=range.most).contains(&value.abs()) {
+            return None;
+        }
+        let bounds = if least > 0.0 { format!("{least:e} <= {name} <= ") } else { format!("|{name}| <= ") };
+        Some(format!("{bounds}{:e} {}", range.most, dimension.si_symbol()).trim_end().to_owned())
     }
 }
 
-/// Small numbers with an exponent.
-fn bound(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { value.to_string() }
+/// A number in a message: very small and very large ones with an exponent.
+pub(super) fn shown(value: f64) -> String {
+    let far = value != 0.0 && value.is_finite() && !(1e-4..1e15).contains(&value.abs());
+    if far { format!("{value:e}") } else { value.to_string() }
 }
 
 #[cfg(test)]
@@ -69,5 +88,8 @@ mod tests {
         assert!(Allowed::Within(0.0, 1.0).holds(0.0) && !Allowed::Within(0.0, 1.0).holds(1.1));
         assert!(!Allowed::Positive.holds(0.0) && Allowed::NotNegative.holds(0.0));
         assert!(!Allowed::Finite.holds(f64::INFINITY));
+        let said = |range: Allowed| range.describe("axial", Dimension::Force);
+        assert_eq!(said(Allowed::Between(f64::NEG_INFINITY, 5e20)), "axial < 5e20 N");
+        assert_eq!(said(Allowed::Within(1.0, f64::INFINITY)), "axial >= 1 N");
     }
 }

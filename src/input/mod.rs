@@ -4,6 +4,7 @@ mod allowed;
 mod deprecated;
 pub mod dimensions;
 mod explain;
+mod member;
 mod parsed;
 
 use std::ops::Range;
@@ -16,6 +17,7 @@ use crate::units::{Dimension, Quantity};
 
 pub use allowed::Allowed;
 pub use deprecated::DEPRECATED_KEYS;
+pub(crate) use member::{Checked, equally_long, finite, member, optional, positive, positive_or_infinite};
 pub use parsed::{GivenKey, Parsed, Table};
 
 /// A number in a file, with its place.
@@ -108,7 +110,7 @@ impl Document {
         self.number(value, "", dimension, allowed).or_else(|_| self.number(value, &key(), dimension, allowed))
     }
 
-    /// Refuses values with which no computation makes sense; those that may be zero may be as small as they like.
+    /// Refuses values with which no computation makes sense.
     fn of_possible_magnitude(
         &self,
         value: &Number,
@@ -117,16 +119,10 @@ impl Document {
         dimension: Dimension,
         allowed: Allowed,
     ) -> Result<f64> {
-        let range = dimension.magnitudes();
-        let least = if matches!(allowed, Allowed::Positive) { range.least } else { 0.0 };
-        if (least..=range.most).contains(&si.abs()) {
-            return Ok(si);
-        }
-        let (name, unit, what) = (last_part(key), dimension.si_symbol(), dimension.describe());
-        let bounds = if least > 0.0 { format!("{least:e} <= {name} <= ") } else { format!("|{name}| <= ") };
-        let error = self.error(value.span(), key, format!("{} is beyond the range of {what}", value.get_ref()));
-        let help = format!("check the number and its unit: {}", range.reason);
-        Err(error.allowed(format!("{bounds}{:e} {unit}", range.most).trim_end()).help(help).into())
+        let Some(bounds) = allowed.impossible(last_part(key), si, dimension) else { return Ok(si) };
+        let message = format!("{} is beyond the range of {}", value.get_ref(), dimension.describe());
+        let help = format!("check the number and its unit: {}", dimension.magnitudes().reason);
+        Err(self.error(value.span(), key, message).allowed(bounds).help(help).into())
     }
 
     /// A whole number within `low..=high` that the text holds; 1e5 is one too.

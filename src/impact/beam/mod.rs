@@ -8,7 +8,7 @@ mod shape;
 
 use std::f64::consts::PI;
 
-use super::check::{Checked, TOLERANCES, member, positive, positive_or_infinite};
+use super::check::TOLERANCES;
 use super::contact::{Horizon, System};
 use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
@@ -16,8 +16,10 @@ use super::solid::{Elastic, Solid};
 use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
-use crate::input::Allowed;
+use crate::error::InputError;
+use crate::input::{Allowed, Checked, member, positive, positive_or_infinite};
 use crate::units::Dimension::{self, Area, Drag, Force, Length, None as Plain, SecondMomentOfArea, Time, Viscosity};
+use crate::units::{self, System as Units};
 
 /// A cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,6 +33,31 @@ pub struct Section {
     /// What the sphere meets.
     pub face: Face,
 }
+
+impl Section {
+    /// Of a beam. The second moment of area is largest with half of the area at each face.
+    pub(crate) fn check(&self) -> Checked {
+        let Self { area, inertia, depth, face } = *self;
+        positive([("section.area", area, Area), ("section.depth", depth, Length)])?;
+        positive([("section.inertia", inertia, SecondMomentOfArea)])?;
+        if let Face::Flat { width } = face {
+            positive_or_infinite("section.face.width", width, Length)?;
+        }
+        let most = 0.25 * area * depth * depth;
+        if inertia <= most * (1.0 + ROUNDING) {
+            return Ok(());
+        }
+        let [inertia, most] = [inertia, most].map(|value| units::format(value, SecondMomentOfArea, Units::Si));
+        let message = format!("no section of this area and depth has a second moment of area of {inertia}");
+        let error = InputError::new(message).key("section.inertia");
+        Err(error
+            .allowed(format!("inertia <= area*depth^2/4 = {most}"))
+            .help("check the units of `area`, `inertia` and `depth`; a rectangle has a third of this"))
+    }
+}
+
+/// By which part computed sections may exceed a limit.
+const ROUNDING: f64 = 1e-9;
 
 /// The struck face of a beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -218,12 +245,8 @@ impl Problem for Beam {
     }
 
     fn check(&self) -> Checked {
-        let Section { area, inertia, depth, face } = self.section;
-        positive([("length", self.length, Length), ("section.area", area, Area)])?;
-        positive([("section.inertia", inertia, SecondMomentOfArea), ("section.depth", depth, Length)])?;
-        if let Face::Flat { width } = face {
-            positive_or_infinite("section.face.width", width, Length)?;
-        }
+        positive([("length", self.length, Length)])?;
+        self.section.check()?;
         self.elastic.check_of_struck("elastic")?;
         self.striker.check_of_striker("striker", 0.0)?;
         let Foundation { internal, external, modulus, axial } = self.foundation;

@@ -8,7 +8,7 @@ use super::super::check::{Checker, first_given};
 use super::super::raw::{BodyKeys, Gauges, MaterialChoice, raw_body};
 use super::Parts;
 use super::body::{RawSphere, Tolerance, elastic_json, solid_json};
-use crate::error::Result;
+use crate::error::{InputError, Result};
 use crate::impact::{Beam, Elastic, Face, Foundation, Section, buckling};
 use crate::input::Allowed;
 use crate::typed::{Count, Key, NotNegative, Of, Or, Placed, Plain, Poisson, Positive};
@@ -185,21 +185,14 @@ impl Checker<'_> {
         self.any_section(raw, depth, span)
     }
 
-    /// A section by its area and second moment of area, which is largest with half of the area at each face.
+    /// A section by its area and second moment of area.
     fn any_section(&self, raw: &RawBeam, depth: f64, span: Range<usize>) -> Result<Section> {
         let area = self.needed(raw.area.as_ref(), "area", span.clone(), "beam")?;
         let inertia = self.needed(raw.inertia.as_ref(), "inertia", span, "beam")?;
-        let most = 0.25 * area * depth * depth;
-        if let Some(given) = raw.inertia.as_ref().filter(|_| inertia > most * (1.0 + 1e-9)) {
-            let message = format!("no section of this area and depth has a second moment of area of {given}");
-            let most = format(most, Dimension::SecondMomentOfArea, System::Si);
-            let allowed = format!("inertia <= area*depth^2/4 = {most}");
-            let error = self.error(given.span(), "beam.inertia", message).allowed(allowed);
-            return Err(error
-                .help("check the units of `area`, `inertia` and `depth`; a rectangle has a third of this")
-                .into());
-        }
-        Ok(Section { area, inertia, depth, face: Face::Flat { width: f64::INFINITY } })
+        let section = Section { area, inertia, depth, face: Face::Flat { width: f64::INFINITY } };
+        let place = |raw: &RawBeam| Some(self.document.place(raw.inertia.as_ref()?.span()));
+        section.check().map_err(|e| InputError { key: "beam.inertia".into(), place: place(raw).map(Box::new), ..e })?;
+        Ok(section)
     }
 
     fn beam_foundation(&self, raw: &RawBeam, length: f64, section: Section, elastic: &Elastic) -> Result<Foundation> {

@@ -7,14 +7,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{interrupt, output};
+use super::{interrupt, options, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
-use crate::material::{
-    self, Curve, HeatingError, Loading, Material, Scatter, Sense, TestCurve, library, mean_curve, mean_modulus,
-    rate_tables,
-};
-use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, confirm};
+use crate::material::{self, Curve, Loading, Material, Scatter, Sense, TestCurve, library, mean_curve, mean_modulus};
+use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, check_length, confirm};
 use crate::study::critical::{CriticalRow, critical};
 use crate::study::sensitivity::{Interval, sensitivity};
 use crate::study::uncertainty::{Bootstrap, Uncertainty, uncertainty};
@@ -108,8 +105,13 @@ struct Studied {
     apparent: Option<Option<Apparent>>,
 }
 
+/// Arguments of the library that options give.
+const OPTIONS: &[options::OptionOf<'static>] =
+    &[("rate", "--rate", ""), ("heat", "--heat", ""), ("length", "--length", "e.g. --length \"200 mm\"")];
+
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let how = checked(args)?;
+    let of_options = |error| options::name(error, OPTIONS);
+    let how = checked(args).map_err(of_options)?;
     let mut materials = if args.all { all() } else { load(&args.materials)? };
     if args.repeats {
         materials = vec![mean_of(&materials)?];
@@ -123,7 +125,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         bar.inc(1);
         studied
     });
-    let mut studied = studied.collect::<Result<Vec<_>>>()?;
+    let mut studied = studied.collect::<Result<Vec<_>>>().map_err(of_options)?;
     bar.finish_and_clear();
     if args.all {
         let velocity = |s: &Studied| s.row.critical_velocity_m_s.unwrap_or(f64::NEG_INFINITY);
@@ -152,14 +154,9 @@ fn checked(args: &Args) -> Result<Checked> {
         let error = InputError::new(format!("{} specimens are out of range", args.bootstrap)).key("--bootstrap");
         return Err(error.allowed("100 <= N <= 1000000").help("e.g. --bootstrap 2000").into());
     }
-    let wrong = |message: String| {
-        let error = InputError::new(message).key("--length").allowed("1 mm <= length <= 1 km");
-        Error::from(error.help("e.g. --length \"200 mm\""))
-    };
+    let wrong = |message: String| Error::from(InputError::new(message).key("length").allowed("a length"));
     let length = args.length.as_ref().map_or(Ok(LENGTH), |length| length.si(Dimension::Length)).map_err(wrong)?;
-    if !(1e-3..=1e3).contains(&length) {
-        return Err(wrong(format!("{length} m is out of range")));
-    }
+    check_length(length)?;
     if args.length.is_some() && !args.rate && !args.heat {
         let error = InputError::new("the static critical velocity does not depend on the length").key("--length");
         return Err(error.allowed("with --rate or --heat").help("remove --length, or add --rate or --heat").into());
@@ -174,38 +171,16 @@ fn checked(args: &Args) -> Result<Checked> {
 
 fn study(args: &Args, how: &Checked, material: &Material) -> Result<Studied> {
     let sense = args.sense.into();
-    let row = critical(material, sense);
     let with = RateAndHeat { rate: args.rate, heat: args.heat };
     let beyond = args.rate || args.heat;
     Ok(Studied {
+        // First, since it may be refused.
+        apparent: beyond.then(|| apparent(material, sense, with, how.length)).transpose()?,
+        row: critical(material, sense),
         scatter: uncertainty(material, sense, how.bootstrap),
         sensitivity: args.sensitivity.then(|| sensitivity(material, sense)),
         simulated: args.simulate.then(|| confirm(material, sense)),
-        apparent: beyond.then(|| beyond_static(material, &row, with, how.length)).transpose()?,
-        row,
     })
-}
-
-/// The apparent critical velocity; an error where the material lacks the constants.
-fn beyond_static(material: &Material, row: &CriticalRow, with: RateAndHeat, length: f64) -> Result<Option<Apparent>> {
-    let refuse = |option: &str, what: String, help: &str| -> Error {
-        InputError::new(format!("the material `{}` {what}", material.name)).key(option).help(help).into()
-    };
-    if with.rate && material.constants.rate.is_empty() {
-        let help = format!("add {} to its file", rate_tables());
-        return Err(refuse("--rate", "has no rate constants".into(), &help));
-    }
-    let heated = if with.heat {
-        material.heated(None).map_err(|error| match error {
-            HeatingError::Missing(keys) => {
-                refuse("--heat", format!("lacks constants of [heat]: {}", keys.join(", ")), "add them to its file")
-            }
-            HeatingError::Curve(error) => refuse("--heat", format!("cannot be softened: {error}"), "remove --heat"),
-        })?
-    } else {
-        material.clone()
-    };
-    Ok(row.strain_at_max.and_then(|limit| apparent(&heated, row.sense, with, length, limit)))
 }
 
 /// One material with the mean curve of several, and their scatter.

@@ -15,6 +15,7 @@ mod materials;
 mod merge;
 mod message;
 mod new;
+mod options;
 mod output;
 mod plan;
 mod quantity;

@@ -10,6 +10,7 @@ use super::softening::AdiabaticState;
 use super::tabulate::refine;
 use super::{Beyond, Curve, CurveError, Material, SLOPE_ROUND_OFF, Sense};
 use crate::error::{Error, InputError};
+use crate::input::Allowed;
 use crate::units::Dimension;
 
 /// Default fraction of the plastic work that is converted to heat (Taylor and Quinney 1934).
@@ -48,22 +49,39 @@ pub struct Heating {
 }
 
 /// Why a material cannot be heated.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum HeatingError {
     /// Keys of `[heat]` that it does not state.
+    #[error("the material lacks constants of [heat]: {}", .0.join(", "))]
     Missing(Vec<&'static str>),
     /// Its curve cannot be softened.
+    #[error("the curve of the material cannot be softened: {0}")]
     Curve(CurveError),
+    /// The fraction of the plastic work that is to turn into heat is none.
+    #[error("{0} is out of range")]
+    Fraction(f64),
+}
+
+/// Fractions of the plastic work that can turn into heat.
+const FRACTIONS: Allowed = Allowed::Within(0.0, 1.0);
+
+impl From<HeatingError> for InputError {
+    fn from(error: HeatingError) -> Self {
+        let said = Self::new(error.to_string());
+        match error {
+            HeatingError::Missing(_) => said.help("add them to the material"),
+            HeatingError::Curve(_) => said.help("leave the heating out"),
+            HeatingError::Fraction(_) => said
+                .key("fraction")
+                .allowed(FRACTIONS.describe("fraction", Dimension::None))
+                .help("give the part of the plastic work that turns into heat, mostly about 0.9"),
+        }
+    }
 }
 
 impl From<HeatingError> for Error {
     fn from(error: HeatingError) -> Self {
-        match error {
-            HeatingError::Missing(keys) => InputError::new(format!("the material has no `{}`", keys.join("`, `")))
-                .help("state it under `heat`")
-                .into(),
-            HeatingError::Curve(error) => error.into(),
-        }
+        InputError::from(error).into()
     }
 }
 
@@ -73,16 +91,20 @@ impl Material {
     /// stays as it is, and so do the curves where the fraction is 0.
     ///
     /// # Errors
-    /// A constant of `[heat]` that is missing.
+    /// A constant of `[heat]` that is missing, a fraction outside of 0 to 1, a curve that cannot be softened.
     pub fn heated(&self, fraction: Option<f64>) -> Result<Self, HeatingError> {
         let given = &self.constants.heat;
+        let fraction = fraction.or(given.fraction).unwrap_or(DEFAULT_FRACTION);
+        if !FRACTIONS.holds(fraction) {
+            return Err(HeatingError::Fraction(fraction));
+        }
         let (Some(specific_heat), Some(reference_temperature), Some(melting_temperature), Some(exponent)) =
             (given.specific_heat, given.reference_temperature, given.melting_temperature, given.exponent)
         else {
             return if self.can_flow() { Err(HeatingError::Missing(given.missing())) } else { Ok(self.clone()) };
         };
         let mut heating = Heating {
-            fraction: fraction.or(given.fraction).unwrap_or(DEFAULT_FRACTION),
+            fraction,
             specific_heat,
             reference_temperature,
             melting_temperature,

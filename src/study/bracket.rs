@@ -1,5 +1,6 @@
 //! Critical velocities by simulation: bars driven at one velocity, below and above, until the bracket is narrow.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -7,12 +8,15 @@ use serde::Serialize;
 use super::critical::critical;
 use crate::assemble;
 use crate::bar::{Bar, EndCondition, History, Segment};
-use crate::material::{Material, Rate, Sense};
+use crate::error::{InputError, Result};
+use crate::input::{Allowed, Checked, member};
+use crate::material::{Material, Rate, Sense, rate_tables};
 use crate::record::{Compression, Field, Precision};
 use crate::scene::{Effects, HardeningRule, Heat, Method, Record, Scene, SceneParts, Solve};
 use crate::solver::fd::{Leapfrog, Quantity};
 use crate::solver::moc::Settings;
 use crate::text_file::NamedFiles;
+use crate::units::Dimension;
 use crate::wave::similarity;
 
 /// Width of a bracket, relative to the velocity.
@@ -132,9 +136,51 @@ pub const DEFINITION: &str = "the lowest constant velocity of the end at which t
                               exceeds the strain of the largest static stress before the elastic wave returns from the far end \
                               (2 L/c0)";
 
-/// The apparent critical velocity of a bar of `length` (m), by simulation; none where the static curve has no critical velocity. `material`
-/// is the heated one where heat is asked for; `limit` is the strain of the largest static stress.
-pub fn apparent(material: &Material, sense: Sense, with: RateAndHeat, length: f64, limit: f64) -> Option<Apparent> {
+/// Lengths of a bar, m.
+const LENGTHS: Allowed = Allowed::Within(1e-3, 1e3);
+
+/// The length of the bar of [`apparent`], m.
+pub(crate) fn check_length(length: f64) -> Checked {
+    member("length", length, Dimension::Length, LENGTHS)
+}
+
+/// The apparent critical velocity of a bar of `length` (m, 1e-3 to 1e3), by simulation; none where the static curve has no critical velocity.
+/// Where heat is asked for, the material is heated here, unless it is already.
+///
+/// # Errors
+/// A length out of range; a material without the constants of a rate law, or of heating, that is asked for.
+pub fn apparent(material: &Material, sense: Sense, with: RateAndHeat, length: f64) -> Result<Option<Apparent>> {
+    check_length(length)?;
+    let heated = with_constants(material, with)?;
+    Ok(strain_limit(material, sense).and_then(|limit| bracketed(&heated, sense, with, length, limit)))
+}
+
+/// The material as it is simulated.
+fn with_constants(material: &Material, with: RateAndHeat) -> Result<Cow<'_, Material>> {
+    let of_material = |error: InputError| {
+        let message = format!("`{}`: {}", material.name, error.message);
+        InputError { message, ..error }
+    };
+    if with.rate && material.constants.rate.is_empty() {
+        let error = InputError::new("the material has no rate constants").key("rate");
+        return Err(of_material(error.help(format!("add {} to it", rate_tables()))).into());
+    }
+    if !with.heat || material.heating.is_some() {
+        return Ok(Cow::Borrowed(material));
+    }
+    let heated = material.heated(None).map_err(|error| of_material(InputError::from(error).key("heat")))?;
+    Ok(Cow::Owned(heated))
+}
+
+/// Strain of the largest static stress.
+fn strain_limit(material: &Material, sense: Sense) -> Option<f64> {
+    let cold = material.heating.as_ref().map_or(&[][..], |heating| &heating.cold[..]);
+    let own = cold.get(usize::from(sense == Sense::Compression)).or(cold.first());
+    similarity::critical(own.unwrap_or_else(|| material.branch(sense)), material.density).map(|c| c.strain)
+}
+
+/// By simulation of the material as it is; `limit` is the strain of the largest static stress.
+fn bracketed(material: &Material, sense: Sense, with: RateAndHeat, length: f64, limit: f64) -> Option<Apparent> {
     let ultimate = material.branch(sense).ultimate()?;
     let effects = Effects {
         hardening: Some(HardeningRule::Isotropic),

@@ -26,6 +26,7 @@ impl Checker<'_> {
                     HeatingError::Curve(error) => {
                         (format!("the curve of `{name}` cannot be softened: {error}"), "remove `heat`")
                     }
+                    HeatingError::Fraction(_) => (error.to_string(), "state a fraction from 0 to 1"),
                 };
                 self.error(raw.span(), "effects.heat", message).help(help)
             })?;

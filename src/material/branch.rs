@@ -110,7 +110,7 @@ impl<'a> Given<'a> {
             return Err(error.help("add e.g. modulus = \"200 GPa\"").into());
         };
         tabulate_law(law, modulus, self.measure, sense, self.how)
-            .map_err(|reason| keys.error(span.clone(), &format!("{}.formula", self.name), reason))
+            .map_err(|error| keys.error(span.clone(), &format!("{}.formula", self.name), error.message))
             .map_err(|e| e.help("increase `tabulate.to-strain`, or check the constants").into())
     }
 
@@ -121,7 +121,7 @@ impl<'a> Given<'a> {
             return Ok(Tabulated { rows: rows.to_vec(), error: 0.0 });
         }
         let past_origin = &rows[usize::from(rows[0].0 == 0.0)..];
-        Ok(tabulate_true_rows(past_origin, modulus, sense, self.how.tolerance))
+        Ok(tabulate_true_rows(past_origin, modulus, sense, self.how.tolerance)?)
     }
 
     /// Refuses slopes above the modulus.

@@ -92,13 +92,16 @@ laws! {
 
 const UP_TO_1: Allowed = Allowed::Above(0.0, 1.0);
 
+/// Tolerances of tables: 1e-8 to 0.1.
+pub(super) type ToTabulate = Within<1, 10_000_000, 100_000_000>;
+
 /// Conversion of a formula (or a true table) to an engineering table.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RawTabulate {
     /// Largest error of the stress, relative to the largest stress.
     #[schemars(default)]
-    pub tolerance: Or<Of<Plain, Within<1, 10_000_000, 100_000_000>>, 1, 1000>,
+    pub tolerance: Or<Of<Plain, ToTabulate>, 1, 1000>,
     /// Engineering strain at the end of the table; at most 0.9 for a compression table from symmetry = "true". Default: 1.5 times the true strain at the largest engineering stress; without a maximum 0.5, and 0.777 (a true strain of 1.5) in compression of true stress and strain.
     pub to_strain: Option<Of<Plain, Positive>>,
 }

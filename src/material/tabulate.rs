@@ -4,14 +4,19 @@
 //! compression, in magnitudes, e = 1 - exp(-eps), s = sigma/(1 - e). The elastic part is kept straight in the
 //! engineering measure, s = E e, so that elastic waves have one speed.
 
+use super::formula::ToTabulate;
 use super::{Law, Measure, SLOPE_ROUND_OFF, Sense};
+use crate::error::InputError;
+use crate::input::{Allowed, Checked, finite, member, optional};
 use crate::root::bisect;
+use crate::typed::Range;
+use crate::units::Dimension;
 
 /// How a law becomes a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tabulate {
     /// Largest distance in stress between table and law, over the largest stress; the velocity that the table needs
-    /// to reach any strain is within the same fraction of the law's.
+    /// to reach any strain is within the same fraction of the law's. From 1e-8 to 0.1, as in materials.
     pub tolerance: f64,
     /// Engineering strain at which the table ends, in compression at most [`Tabulate::MOST_COMPRESSION`]; none: half as far
     /// again (in true strain) as the largest engineering stress, or where there is no such maximum at
@@ -28,6 +33,12 @@ impl Tabulate {
     /// Largest engineering strain of a compression table: 1 leaves no length, and not far below it the engineering stress rises
     /// more steeply than the elastic line.
     pub const MOST_COMPRESSION: f64 = 0.9;
+
+    /// What a table is made with.
+    fn check(tolerance: f64, modulus: Option<f64>) -> Checked {
+        member("tolerance", tolerance, Dimension::None, ToTabulate::ALLOWED)?;
+        optional("modulus", modulus, Dimension::Stress, Allowed::Positive)
+    }
 }
 
 /// An engineering table made from a law or from true stresses.
@@ -166,14 +177,15 @@ pub(super) fn elastic_engineering_strain(sense: Sense, q: f64) -> f64 {
 /// the elastic limit and at the largest engineering stress.
 ///
 /// # Errors
-/// One sentence: the law starts above the elastic line, or the table would end before the elastic limit.
+/// The table would end before the elastic limit; a tolerance or a modulus out of range.
 pub fn tabulate_law(
     law: &Law,
     modulus: f64,
     measure: Measure,
     sense: Sense,
     how: Tabulate,
-) -> Result<Tabulated, String> {
+) -> Result<Tabulated, InputError> {
+    Tabulate::check(how.tolerance, Some(modulus))?;
     let branch = Branch { law, modulus, measure, sense };
     let start = branch.elastic_limit(0.0);
     let maximum = branch.maximum(start);
@@ -185,7 +197,10 @@ pub fn tabulate_law(
     };
     if end.is_nan() || end <= start || branch.point(end).0 <= branch.point(start).1 / modulus {
         let limit = branch.point(start).1 / modulus;
-        return Err(format!("the table would end before the elastic limit, which is at strain {limit:.4e}"));
+        let message = format!("the table would end before the elastic limit, which is at strain {limit:.4e}");
+        return Err(InputError::new(message)
+            .key("to_strain")
+            .help("end it at a larger strain, or check the constants"));
     }
     let top = branch.top(maximum.map_or(end, |x| x.min(end)));
     let start = start.max(branch.elastic_limit(how.tolerance * top));
@@ -203,9 +218,20 @@ pub fn tabulate_law(
 }
 
 /// Engineering table from rows of true strain (> 0) and stress, with knots added where straight true segments
-/// bend. Rows on the elastic line (slope `modulus`, or the first row's where none is known) stay on it.
-pub fn tabulate_true_rows(rows: &[(f64, f64)], modulus: Option<f64>, sense: Sense, tolerance: f64) -> Tabulated {
-    let Some(&(first_strain, first_stress)) = rows.first() else { return Tabulated::default() };
+/// bend. Rows on the elastic line (slope `modulus`, or the first row's where none is known) stay on it. For `tolerance`, see [`Tabulate`].
+///
+/// # Errors
+/// A tolerance or a modulus out of range; rows that are not finite.
+pub fn tabulate_true_rows(
+    rows: &[(f64, f64)],
+    modulus: Option<f64>,
+    sense: Sense,
+    tolerance: f64,
+) -> Result<Tabulated, InputError> {
+    Tabulate::check(tolerance, modulus)?;
+    finite("rows.strain", rows.iter().map(|row| row.0))?;
+    finite("rows.stress", rows.iter().map(|row| row.1))?;
+    let Some(&(first_strain, first_stress)) = rows.first() else { return Ok(Tabulated::default()) };
     let modulus = modulus.unwrap_or(first_stress / first_strain);
     let on_line = |&&(strain, stress): &&(f64, f64)| (stress / (modulus * strain) - 1.0).abs() <= SLOPE_ROUND_OFF;
     let elastic = rows.iter().take_while(on_line).count();
@@ -222,7 +248,7 @@ pub fn tabulate_true_rows(rows: &[(f64, f64)], modulus: Option<f64>, sense: Sens
         table.rows.extend_from_slice(&piece.rows[known..]);
         table.error = table.error.max(piece.error);
     }
-    table
+    Ok(table)
 }
 
 /// One straight segment of a true table, with a knot where its engineering stress is largest: in tension, where

@@ -5,8 +5,10 @@ use crate::common::binary;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use barwave::error::{Error, Result};
 use barwave::material::{Curve, Sense, library};
 use barwave::record::store::ResultFile;
+use barwave::study::invert::{Record, Recording, arrivals, hopkinson, residual};
 use binary::{barwave, done, json, refused};
 use rand::{RngExt, SeedableRng};
 use rand_xorshift::XorShiftRng;
@@ -778,4 +780,149 @@ fn results_of_other_impacts_are_named() {
         assert!(message.contains("an impact of the kind `spheres`") && !message.contains("damaged"), "{message}");
         assert!(message.contains("[bar]") && message.contains("barwave report"), "{message}");
     }
+}
+
+/// Refused, with the name of what is wrong and without options of the command line.
+fn names<T>(ended: Result<T>, key: &str) {
+    let Err(Error::Input(error)) = ended.map(|_| ()) else { panic!("{key} is accepted") };
+    assert!(error.key == key && !error.allowed.is_empty() && !error.help.contains("--"), "{key}: {error:?}");
+}
+
+const NONE: [f64; 4] = [f64::NAN, f64::INFINITY, 0.0, -1.0];
+
+#[test]
+fn a_split_hopkinson_set_of_a_program_is_checked() {
+    let bar = hopkinson::ElasticBar { modulus: 200e9, density: 8000.0, area: 2e-4, distance: 1.0 };
+    let set = hopkinson::Setup { incident: bar, transmitted: bar, length: 0.01, area: 1e-4 };
+    let options = hopkinson::Options { window: None, limit: None, equilibrium: 0.05, poisson: 0.29 };
+    let (time, on): (Vec<f64>, _) =
+        ((0..8000).map(|k| 1e-7 * f64::from(k) - 5e-5).collect(), |t: f64| (0.0..1e-4).contains(&t));
+    let strain = |part: f64, from: f64| time.iter().map(|t| if on(t - from) { part } else { 0.0 }).collect::<Vec<_>>();
+    let sum = |one: Vec<f64>, other: Vec<f64>| one.iter().zip(other).map(|(a, b)| a + b).collect::<Vec<f64>>();
+    let records = hopkinson::Records {
+        incident: (time.clone(), sum(strain(-1e-3, 0.0), strain(5e-4, 4e-4))),
+        transmitted: (time.clone(), strain(-5e-4, 4e-4)),
+    };
+    let reduce = |set: hopkinson::Setup, options: hopkinson::Options| hopkinson::reduce(&set, &records, &options);
+    assert!(reduce(set.clone(), options.clone()).is_ok());
+    for wrong in NONE {
+        names(reduce(hopkinson::Setup { length: wrong, ..set.clone() }, options.clone()), "length");
+        names(reduce(hopkinson::Setup { area: wrong, ..set.clone() }, options.clone()), "area");
+        let incident = hopkinson::ElasticBar { modulus: wrong, ..bar };
+        names(reduce(hopkinson::Setup { incident, ..set.clone() }, options.clone()), "incident.modulus");
+        let transmitted = hopkinson::ElasticBar { density: wrong, ..bar };
+        names(reduce(hopkinson::Setup { transmitted, ..set.clone() }, options.clone()), "transmitted.density");
+        names(reduce(set.clone(), hopkinson::Options { window: Some(wrong), ..options.clone() }), "window");
+        names(reduce(set.clone(), hopkinson::Options { equilibrium: wrong, ..options.clone() }), "equilibrium");
+    }
+    let given = |records: hopkinson::Records| hopkinson::reduce(&set, &records, &options);
+    let with = |change: &dyn Fn(&mut hopkinson::Records)| {
+        let mut records = records.clone();
+        change(&mut records);
+        given(records)
+    };
+    names(with(&|records| records.incident.1.truncate(3000)), "incident.strain");
+    names(with(&|records| records.transmitted.0.truncate(3000)), "transmitted.strain");
+    names(with(&|records| records.incident.1[3000] = f64::NAN), "incident.strain");
+    names(with(&|records| records.transmitted.0[3000] = f64::INFINITY), "transmitted.time");
+    names(with(&|records| records.transmitted.0.reverse()), "transmitted.time");
+}
+
+#[test]
+fn records_of_a_program_are_checked_before_their_inversion() {
+    let record = |distance: f64| {
+        let time: Vec<f64> = (0..4000).map(|k| 1e-7 * f64::from(k)).collect();
+        // d eps such that the speed is 3 km/s/sqrt(1 + eps/0.002).
+        let strain =
+            |t: &f64| if distance < 3000.0 * t { 0.002 * ((3000.0 * t / distance).powi(2) - 1.0) } else { 0.0 };
+        let strain = time.iter().map(|t| strain(t).min(0.02)).collect();
+        Record { name: distance.to_string(), distance, time, strain }
+    };
+    let recording = Recording {
+        records: [0.05, 0.1, 0.2].map(record).to_vec(),
+        sense: Sense::Tension,
+        density: None,
+        modulus: None,
+        length: None,
+        given: None,
+        simulated: false,
+        notes: Vec::new(),
+    };
+    let options = arrivals::Options {
+        density: 8960.0,
+        modulus: None,
+        length: None,
+        start: 0.0,
+        centred: false,
+        position_error: 0.0,
+        time_error: None,
+        replicates: 20,
+        seed: 1,
+    };
+    assert!(arrivals::of_records(&recording, &options).is_ok());
+    for wrong in NONE {
+        let with = |options: arrivals::Options| arrivals::of_records(&recording, &options);
+        names(with(arrivals::Options { density: wrong, ..options.clone() }), "density");
+        names(with(arrivals::Options { modulus: Some(wrong), ..options.clone() }), "modulus");
+        names(with(arrivals::Options { length: Some(wrong), ..options.clone() }), "length");
+        if wrong != 0.0 {
+            names(with(arrivals::Options { position_error: wrong, ..options.clone() }), "position_error");
+        }
+        if !wrong.is_finite() {
+            names(with(arrivals::Options { start: wrong, ..options.clone() }), "start");
+        }
+    }
+    let with = |change: &dyn Fn(&mut Record)| {
+        let mut recording = recording.clone();
+        change(&mut recording.records[1]);
+        arrivals::of_records(&recording, &options)
+    };
+    names(with(&|record| record.strain.truncate(100)), "records.1.strain");
+    names(with(&|record| record.strain[100] = f64::NAN), "records.1.strain");
+    names(with(&|record| record.time.swap(100, 200)), "records.1.time");
+    names(with(&|record| record.distance = f64::NAN), "records.1.distance");
+}
+
+#[test]
+fn a_profile_of_a_program_is_checked_before_its_inversion() {
+    let distance: Vec<f64> = (1..=60).map(|k| 0.01 * f64::from(k)).collect();
+    // The strain while the end moves stands at x = c t.
+    let strain = distance.iter().map(|x| (0.002 * ((3000.0 * 2e-4 / x).powi(2) - 1.0)).clamp(0.0, 0.02)).collect();
+    let profile = residual::Profile { distance, strain, sense: Sense::Tension };
+    let options = residual::Options {
+        state: residual::State::Loaded,
+        time: 2e-4,
+        velocity: 40.0,
+        velocity_error: 0.0,
+        position_error: 0.0,
+        density: 8960.0,
+        modulus: 115e9,
+        length: None,
+        yield_stress: None,
+        replicates: 20,
+        seed: 1,
+    };
+    assert!(residual::invert(&profile, &options).is_ok());
+    for wrong in NONE {
+        let with = |options: residual::Options| residual::invert(&profile, &options);
+        names(with(residual::Options { time: wrong, ..options.clone() }), "time");
+        names(with(residual::Options { velocity: wrong, ..options.clone() }), "velocity");
+        names(with(residual::Options { density: wrong, ..options.clone() }), "density");
+        names(with(residual::Options { modulus: wrong, ..options.clone() }), "modulus");
+        names(with(residual::Options { length: Some(wrong), ..options.clone() }), "length");
+    }
+    let with = |change: &dyn Fn(&mut residual::Profile)| {
+        let mut profile = profile.clone();
+        change(&mut profile);
+        residual::invert(&profile, &options)
+    };
+    names(with(&|profile| profile.distance.truncate(50)), "profile.strain");
+    names(with(&|profile| profile.strain.truncate(50)), "profile.strain");
+    names(with(&|profile| profile.strain[20] = f64::NAN), "profile.strain");
+    names(with(&|profile| profile.distance.reverse()), "profile.distance");
+    let few = |profile: &mut residual::Profile| {
+        profile.distance.truncate(4);
+        profile.strain.truncate(4);
+    };
+    names(with(&few), "profile");
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::shared::{self, Outputs, Random, Waves};
 use crate::cli::lines::Lines;
+use crate::cli::options::OptionOf;
 use crate::cli::quantity;
 use crate::cli::result_file::is_result;
 use crate::error::{InputError, Result};
@@ -56,6 +57,19 @@ pub(super) struct Args {
     #[command(flatten)]
     outputs: Outputs,
 }
+
+/// Arguments of the library that options give.
+pub(super) const OPTIONS: &[OptionOf<'static>] = &[
+    ("density", "--density", ""),
+    ("modulus", "--modulus", ""),
+    ("length", "--length", ""),
+    ("start", "--start", ""),
+    ("centred", "--centred", ""),
+    ("distances", "--at", "e.g. --at 20mm,40mm"),
+    ("gauges", "--gauges", ""),
+    ("position_error", "--position-error", ""),
+    ("time_error", "--time-error", "e.g. --time-error \"0.2 us\""),
+];
 
 pub(super) fn run(args: &Args) -> Result<()> {
     args.outputs.check()?;

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::shared::{self, Outputs};
 use crate::cli::critical::SenseArg;
 use crate::cli::lines::Lines;
+use crate::cli::options::OptionOf;
 use crate::cli::result_file::is_result;
 use crate::cli::{output, quantity};
 use crate::error::{InputError, Result};
@@ -77,6 +78,21 @@ pub(super) struct Args {
     #[command(flatten)]
     outputs: Outputs,
 }
+
+/// Arguments of the library that options give.
+pub(super) const OPTIONS: &[OptionOf<'static>] = &[
+    ("incident.modulus", "--bar-modulus", ""),
+    ("incident.density", "--bar-density", ""),
+    ("incident.area", "--bar-diameter", ""),
+    ("incident.distance", "--distances", ""),
+    ("transmitted.distance", "--distances", ""),
+    ("length", "--specimen-length", ""),
+    ("area", "--specimen-diameter", ""),
+    ("window", "--window", ""),
+    ("equilibrium", "--equilibrium", ""),
+    ("poisson", "--poisson", ""),
+    ("gauges", "--gauges", "e.g. --gauges INCIDENT,TRANSMITTED"),
+];
 
 pub(super) fn run(args: &Args) -> Result<()> {
     args.outputs.check()?;

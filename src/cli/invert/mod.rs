@@ -7,6 +7,7 @@ mod shared;
 
 use clap::Subcommand;
 
+use super::options;
 use crate::error::Result;
 
 /// Options of `barwave invert`.
@@ -31,8 +32,8 @@ enum Command {
 
 pub(crate) fn run(args: &Args) -> Result<()> {
     match &args.command {
-        Command::Arrivals(args) => arrivals::run(args),
-        Command::ResidualStrain(args) => residual::run(args),
-        Command::Hopkinson(args) => hopkinson::run(args),
+        Command::Arrivals(args) => arrivals::run(args).map_err(|error| options::name(error, arrivals::OPTIONS)),
+        Command::ResidualStrain(args) => residual::run(args).map_err(|error| options::name(error, residual::OPTIONS)),
+        Command::Hopkinson(args) => hopkinson::run(args).map_err(|error| options::name(error, hopkinson::OPTIONS)),
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::shared::{self, Outputs, Random, Waves};
 use crate::cli::lines::Lines;
+use crate::cli::options::OptionOf;
 use crate::cli::quantity;
 use crate::cli::result_file::is_result;
 use crate::error::{InputError, Result};
@@ -57,6 +58,19 @@ pub(super) struct Args {
     outputs: Outputs,
 }
 
+/// Arguments of the library that options give.
+pub(super) const OPTIONS: &[OptionOf<'static>] = &[
+    ("profile", "", ""),
+    ("velocity", "--velocity", "--time uses the strain while the end moves"),
+    ("time", "--time", ""),
+    ("density", "--density", ""),
+    ("modulus", "--modulus", ""),
+    ("length", "--length", ""),
+    ("yield_stress", "--yield-stress", ""),
+    ("velocity_error", "--velocity-error", ""),
+    ("position_error", "--position-error", ""),
+];
+
 pub(super) fn run(args: &Args) -> Result<()> {
     args.outputs.check()?;
     let test = if is_result(&args.file) {
@@ -73,7 +87,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         None => profile,
     };
     let options = options(args, test.as_ref())?;
-    let mut inverted = invert(&profile, &options)?;
+    let mut inverted = invert(&profile, &options).map_err(|error| shared::in_file(error, &args.file))?;
     if let Some(test) = &test {
         inverted.warnings.splice(0..0, test.notes.iter().cloned());
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::cli::lines::Lines;
-use crate::cli::{output, quantity};
+use crate::cli::{options, output, quantity};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
@@ -64,7 +64,7 @@ impl Outputs {
     /// Refuses outputs that cannot be written, before any work is done.
     pub(super) fn check(&self) -> Result<()> {
         if let Some(path) = &self.plot {
-            plot::Format::of(path)?;
+            options::picture(path, "--plot")?;
         }
         for path in [&self.output, &self.csv, &self.plot].into_iter().flatten() {
             destination::resolve(path)?;

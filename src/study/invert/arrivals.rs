@@ -22,6 +22,7 @@ use super::setup;
 use super::table::Table;
 use super::zero::Zeroed;
 use crate::error::{InputError, Result};
+use crate::input::{Allowed, Checked, member, optional, positive};
 use crate::material::Sense;
 use crate::study::random::standard_normal;
 use crate::units::Dimension;
@@ -47,6 +48,17 @@ pub struct Options {
     pub replicates: usize,
     /// Of the random numbers.
     pub seed: u64,
+}
+
+impl Options {
+    fn check(&self) -> Checked {
+        positive([("density", self.density, Dimension::Density)])?;
+        optional("modulus", self.modulus, Dimension::Stress, Allowed::Positive)?;
+        optional("length", self.length, Dimension::Length, Allowed::Positive)?;
+        member("start", self.start, Dimension::Time, Allowed::Finite)?;
+        member("position_error", self.position_error, Dimension::Length, Allowed::NotNegative)?;
+        optional("time_error", self.time_error, Dimension::Time, Allowed::Positive)
+    }
 }
 
 /// The curve that arrivals give.
@@ -92,8 +104,11 @@ struct Arrivals {
 /// Inverts the records of gauges.
 ///
 /// # Errors
-/// Too few gauges, no strain level that two of them see before the first reflection, positions and times that contradict each other.
+/// Numbers out of range, columns of different lengths, rows that are not finite; too few gauges, no strain level that two of them see before
+/// the first reflection, positions and times that contradict each other.
 pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> {
+    options.check()?;
+    recording.check()?;
     let mut warnings = recording.notes.clone();
     enough_gauges(recording.records.iter().map(|r| r.distance), options)?;
     let zero = zeroed(recording, options, &mut warnings);
@@ -139,6 +154,7 @@ pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> 
 /// # Errors
 /// As for [`of_records`]; an arrival later than the first reflection; lines without scatter where no error of the times is given.
 pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
+    options.check()?;
     let mut warnings = Vec::new();
     let (arrivals, table) = read_table(path)?;
     enough_gauges(arrivals.distance.iter().copied(), options)?;
@@ -153,8 +169,8 @@ pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
         Some(error) => error,
         None => pooled_scatter(&lines(&arrivals, &weights, options)).ok_or_else(|| {
             InputError::new("the scatter of the arrivals is unknown: each level has one arrival at each of two gauges")
-                .key("--time-error")
-                .help("give the standard error of an arrival time, such as --time-error \"0.2 us\", or repeats")
+                .key("time_error")
+                .help("give the standard error of an arrival time, or repeats")
         })?,
     };
     let mut rng = XorShiftRng::seed_from_u64(options.seed);
@@ -220,8 +236,12 @@ fn enough_gauges(distances: impl Iterator<Item = f64>, options: &Options) -> Res
         1 => "all gauges are at one position".to_owned(),
         count => format!("the gauges are at {count} different positions"),
     };
-    let help = "add a gauge; with a sudden loading that starts at --start, --centred needs one, away from the end";
-    Err(InputError::new(message).allowed(format!("at least {needed}, at positive distances")).help(help).into())
+    let help = "add a gauge; with a sudden loading from a known start on (centred) one is enough, away from the end";
+    Err(InputError::new(message)
+        .key("centred")
+        .allowed(format!("at least {needed}, at positive distances"))
+        .help(help)
+        .into())
 }
 
 /// When the elastic wave that the far end reflects reaches a distance; none where the length or the modulus is not known.
@@ -273,7 +293,7 @@ fn levels(tops: &[f64], options: &Options) -> Result<Vec<f64>> {
     let top = tops[usize::from(!options.centred)];
     if top <= 0.0 || !top.is_finite() {
         let message = "no strain level arrives at two gauges before the reflected wave, or above the noise";
-        let help = "check --start and --length, use a longer bar, or put the gauges nearer to the loaded end";
+        let help = "check the start and the length, use a longer bar, or put the gauges nearer to the loaded end";
         return Err(InputError::new(message).help(help).into());
     }
     Ok((1..=LEVELS).map(|i| top * (i as f64 / LEVELS as f64).powi(SPACING)).collect())
@@ -387,7 +407,7 @@ fn weights(replicates: &[Arrivals], best: &Arrivals) -> Vec<Vec<f64>> {
 fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warnings: Vec<String>) -> Result<Inverted> {
     let weights = weights(replicates, arrivals);
     let found = lines(arrivals, &weights, options);
-    positive(arrivals, &found)?;
+    not_backwards(arrivals, &found)?;
     let drawn: Vec<Lines> = replicates.iter().map(|replicate| lines(replicate, &weights, options)).collect();
     let spread = |i: usize| deviation(drawn.iter().map(|lines| lines.slowness[i]));
     let spread: Vec<f64> = (0..arrivals.level.len()).map(spread).collect();
@@ -436,7 +456,7 @@ fn with_elastic_part(slowness: &[f64], error: impl Fn(usize) -> f64, c0: Option<
 }
 
 /// Refuses arrivals that are earlier farther away.
-fn positive(arrivals: &Arrivals, lines: &Lines) -> Result<()> {
+fn not_backwards(arrivals: &Arrivals, lines: &Lines) -> Result<()> {
     let wrong = |&i: &usize| lines.slowness[i] <= 0.0;
     let seen = lines.slowness.iter().filter(|s| s.is_finite()).count();
     let failed = (0..arrivals.level.len()).filter(wrong).count();

@@ -9,6 +9,7 @@
 pub mod arrivals;
 mod bands;
 mod curve;
+mod given;
 pub mod hopkinson;
 mod isotonic;
 mod material;

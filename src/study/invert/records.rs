@@ -5,10 +5,12 @@ use std::path::Path;
 use rand::SeedableRng;
 use rand_xorshift::XorShiftRng;
 
+use super::given::{check_record, turns_back};
 use super::noise::digitized;
 use super::setup::{self, Segment};
 use super::table::Table;
 use crate::error::{InputError, Result};
+use crate::input::{Allowed, Checked, member};
 use crate::material::{Beyond, Curve, Sense};
 use crate::record::store::{Gauge, ResultFile};
 use crate::units::Dimension;
@@ -59,16 +61,12 @@ impl Recording {
         if gauges != distances.len() {
             let message =
                 format!("{} has {gauges} gauges, and {} positions are given", path.display(), distances.len());
-            let help =
-                "give the distance of each gauge from the loaded end, in the order of the columns: --at 20mm,40mm";
-            return Err(InputError::new(message).key("--at").help(help).into());
+            let help = "give the distance of each gauge from the loaded end, in the order of the columns";
+            return Err(InputError::new(message).key("distances").help(help).into());
         }
         let time = &table.columns[0];
-        if let Some(row) = time.windows(2).position(|pair| pair[1] < pair[0]) {
-            return Err(table
-                .error(row + 1, "the time is smaller than in the row before")
-                .help("sort the rows")
-                .into());
+        if let Some(row) = turns_back(time, false) {
+            return Err(table.error(row, "the time is smaller than in the row before").help("sort the rows").into());
         }
         for column in 1..=gauges {
             table.plausible_strains(column)?;
@@ -134,6 +132,15 @@ impl Recording {
         self
     }
 
+    pub(super) fn check(&self) -> Checked {
+        for (k, record) in self.records.iter().enumerate() {
+            let name = format!("records.{k}");
+            member(&format!("{name}.distance"), record.distance, Dimension::Length, Allowed::NotNegative)?;
+            check_record(&name, &record.time, &record.strain)?;
+        }
+        Ok(())
+    }
+
     fn in_the_sense_of_loading(mut self) -> Self {
         let extreme = |sign: f64| self.records.iter().flat_map(|r| &r.strain).fold(0.0_f64, |top, e| top.max(sign * e));
         if extreme(-1.0) > extreme(1.0) {
@@ -150,7 +157,7 @@ fn chosen(file: &ResultFile, names: &[String]) -> Result<Vec<Gauge>> {
     let known: Vec<&str> = all.iter().map(|gauge| gauge.name.as_str()).collect();
     if let Some(unknown) = names.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(InputError::new(format!("{} has no gauge `{unknown}`", file.path().display()))
-            .key("--gauges")
+            .key("gauges")
             .allowed(known.join(", "))
             .help("name gauges of the scene")
             .into());
@@ -167,7 +174,7 @@ fn common_segment<'a>(file: &ResultFile, segments: &'a [Segment], gauges: &[Gaug
     let holds = |segment: &&Segment| gauges.iter().all(|gauge| (segment.start..=segment.end()).contains(&gauge.x));
     segments.iter().find(holds).ok_or_else(|| {
         InputError::new(format!("the gauges of {} lie in several segments", file.path().display()))
-            .key("--gauges")
+            .key("gauges")
             .help("name gauges of one segment")
             .into()
     })

@@ -18,11 +18,13 @@ use rand_xorshift::XorShiftRng;
 use serde::Serialize;
 
 use super::curve::{Bounds, Integrated, Interval, WavePoint, bounds, integrate, points, unknown_start};
+use super::given::turns_back;
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
 use super::setup::{self, Segment};
 use super::table::Table;
 use crate::error::{InputError, Result};
+use crate::input::{Allowed, Checked, equally_long, finite, member, optional, positive};
 use crate::material::{Beyond, Curve, Sense};
 use crate::record::Field;
 use crate::record::store::{ResultFile, Side};
@@ -97,6 +99,17 @@ pub struct Options {
     pub seed: u64,
 }
 
+impl Options {
+    fn check(&self) -> Checked {
+        positive([("time", self.time, Dimension::Time), ("velocity", self.velocity, Dimension::Velocity)])?;
+        positive([("density", self.density, Dimension::Density), ("modulus", self.modulus, Dimension::Stress)])?;
+        member("velocity_error", self.velocity_error, Dimension::Velocity, Allowed::NotNegative)?;
+        member("position_error", self.position_error, Dimension::Length, Allowed::NotNegative)?;
+        optional("length", self.length, Dimension::Length, Allowed::Positive)?;
+        optional("yield_stress", self.yield_stress, Dimension::Stress, Allowed::NotNegative)
+    }
+}
+
 /// The curve that a profile gives.
 #[derive(Debug, Clone, Serialize)]
 pub struct Inverted {
@@ -118,6 +131,9 @@ pub struct Inverted {
 /// Strain at the far end of a profile, over its noise, from which on something has come there.
 const FAR_NOISE: f64 = 4.0;
 
+/// Fewest sections of a profile.
+const FEWEST_SECTIONS: usize = 5;
+
 const LEVELS: usize = 300;
 const POINTS: usize = 40;
 
@@ -128,26 +144,34 @@ impl Profile {
     /// From a CSV file with the columns `x` (from the struck end) and `strain` (or `plastic_strain`).
     ///
     /// # Errors
-    /// A wrong file, fewer than five rows, positions that do not increase.
+    /// A wrong file, positions that do not increase.
     pub fn from_csv(path: &Path) -> Result<Self> {
         let of = |name: &str| if POSITION.contains(&name) { Dimension::Length } else { Dimension::None };
         let table = Table::read(path, |_, name| of(name))?;
         let distance = table.needed(POSITION)?.to_vec();
         let strain = table.needed_strains(&["strain", "plastic_strain", "residual_strain"])?.to_vec();
-        if let Some(row) = distance.windows(2).position(|pair| pair[1] <= pair[0]) {
-            return Err(table
-                .error(row + 1, "x does not increase from the row before")
-                .help("sort the rows by x")
-                .into());
-        }
-        if distance.len() < 5 {
-            let message = format!("{} has {} sections", path.display(), distance.len());
-            return Err(InputError::new(message)
-                .allowed("at least 5")
-                .help("measure the strain at more sections")
-                .into());
+        if let Some(row) = turns_back(&distance, true) {
+            return Err(table.error(row, "x does not increase from the row before").help("sort the rows by x").into());
         }
         Ok(Self::positive(distance, strain))
+    }
+
+    fn check(&self) -> Checked {
+        let [distance, strain] = ["profile.distance", "profile.strain"];
+        equally_long([(distance, self.distance.len()), (strain, self.strain.len())])?;
+        finite(distance, self.distance.iter().copied())?;
+        finite(strain, self.strain.iter().copied())?;
+        if let Some(row) = turns_back(&self.distance, true) {
+            let message = format!("row {row} (counted from 0) is not farther from the struck end than the row before");
+            let error = InputError::new(message).key(distance);
+            return Err(error.allowed("increasing distances").help("sort the rows by distance"));
+        }
+        if self.distance.len() < FEWEST_SECTIONS {
+            let error = InputError::new(format!("the profile has {} sections", self.distance.len())).key("profile");
+            let error = error.allowed(format!("at least {FEWEST_SECTIONS}"));
+            return Err(error.help("measure the strain at more sections"));
+        }
+        Ok(())
     }
 
     fn positive(distance: Vec<f64>, mut strain: Vec<f64>) -> Self {
@@ -197,8 +221,8 @@ impl Test {
         }
         .ok_or_else(no_frame)?;
         let released = || {
-            let help = "give `release` in the scene, or --time for the strain while the end still moves";
-            end.released.ok_or_else(|| wrong("the end is not released before the run ends", help))
+            let help = "give `release` in the scene, or the time of the strain while the end still moves";
+            end.released.ok_or_else(|| wrong("the end is not released before the run ends", help).key("time"))
         };
         let (time, state) = match time {
             Some(_) => (frames[frame], State::Loaded),
@@ -315,8 +339,11 @@ impl Start {
 /// Inverts a profile.
 ///
 /// # Errors
-/// A profile without strain above its noise; speeds that already explain more than the impact velocity.
+/// Numbers out of range, columns of different lengths, rows that are not finite, distances that do not increase, fewer than five
+/// sections; a profile without strain above its noise; speeds that already explain more than the impact velocity.
 pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
+    options.check()?;
+    profile.check()?;
     setup::on_the_bar(profile.distance.iter().copied(), options.length)?;
     // Towards the struck end the strain does not decrease.
     let place: Vec<f64> = profile.distance.iter().rev().copied().collect();
@@ -413,9 +440,12 @@ fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velo
         let message =
             format!("the plastic strains explain {explained:.2} m/s, more than the impact velocity {velocity:.2} m/s");
         let help = "a wire with rho c0 V above the largest stress and twice the yield stress continues to yield after release: \
-                    use the strains while the end moves (--time); otherwise check velocity, duration, modulus and position of \
-                    the end";
-        return Err(InputError::new(message).allowed("less than the impact velocity").help(help).into());
+                    use the strains while the end moves; otherwise check velocity, duration, modulus and position of the end";
+        return Err(InputError::new(message)
+            .key("velocity")
+            .allowed("less than the impact velocity")
+            .help(help)
+            .into());
     }
     let strain: Vec<f64> = whole.iter().map(|e| e + yield_strain).collect();
     let start = Start::elastic(yield_strain, options);
@@ -456,7 +486,7 @@ fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &F
     inverted.warnings.extend(velocity_warning(&inverted));
     inverted
         .warnings
-        .extend(unknown_start(&all, "give --yield-stress, or a profile that goes on to where nothing has come yet"));
+        .extend(unknown_start(&all, "give the yield stress, or a profile that goes on to where nothing has come yet"));
     inverted.warnings.extend(reloading_warning(options, found));
     inverted.warnings.extend(reflection_warning(options, fronts));
     inverted
@@ -518,8 +548,8 @@ fn reloading_warning(options: &Options, found: &Evaluated) -> Option<String> {
     let left = |i: usize| 0.5 * (found.curve.stress[i] - z * found.curve.velocity[i] + from_end);
     let reloaded = (0..found.strain.len()).rev().find(|&i| left(i) > found.curve.stress[i])?;
     Some(format!(
-        "the wire yields again behind the release wave at strains below {:.4}: their speeds are too large; --time uses the \
-         strain while the end moves",
+        "the wire yields again behind the release wave at strains below {:.4}: their speeds are too large: use the strain \
+         while the end moves",
         found.strain[reloaded]
     ))
 }

@@ -50,7 +50,7 @@ pub(super) fn on_the_bar(distances: impl Iterator<Item = f64>, length: Option<f6
     let Some(length) = length.filter(|length| farthest > length * (1.0 + 1e-6)) else { return Ok(()) };
     let message =
         format!("the bar is {length} m long, and strains are given at up to {farthest} m from its loaded end");
-    let error = InputError::new(message).key("--length").allowed(format!("at least {farthest} m"));
+    let error = InputError::new(message).key("length").allowed(format!("at least {farthest} m"));
     Err(error.help("check the length and the positions, and their units").into())
 }
 

@@ -97,7 +97,7 @@ fn in_order(records: &Records, incident: f64) -> Result<()> {
          incident bar",
         1e6 * (incident - time[row])
     );
-    let help = "the two columns (or the names of --gauges) are exchanged: the incident bar comes first";
+    let help = "the two columns, or the names of the gauges, are exchanged: the incident bar comes first";
     Err(InputError::new(message).allowed("after it").help(help).into())
 }
 

@@ -9,6 +9,7 @@ use super::test_set::{ElasticBar, Records, Setup};
 use crate::error::{InputError, Result};
 use crate::material::{Beyond, Curve};
 use crate::record::store::{Gauge, ResultFile};
+use crate::study::invert::given::turns_back;
 use crate::study::invert::noise::digitized;
 use crate::study::invert::setup::{self, Segment};
 use crate::study::invert::table::Table;
@@ -47,8 +48,8 @@ pub fn records_from_csv(path: &Path) -> Result<Records> {
         let help = "give the time, the strain of the incident bar and the strain of the transmission bar";
         return Err(InputError::new(message).allowed("3 columns").help(help).into());
     };
-    if let Some(row) = time.windows(2).position(|pair| pair[1] < pair[0]) {
-        return Err(table.error(row + 1, "the time is smaller than in the row before").help("sort the rows").into());
+    if let Some(row) = turns_back(time, false) {
+        return Err(table.error(row, "the time is smaller than in the row before").help("sort the rows").into());
     }
     short(&table, time)?;
     for (column, strain) in [incident, transmitted].into_iter().enumerate() {
@@ -129,9 +130,9 @@ impl Test {
                 (segment.start..=segment.end()).contains(&gauge.x)
                     && (gauges.is_empty() || gauges.contains(&gauge.name))
             };
-            let help =
-                "record a gauge on each bar, and name them with --gauges INCIDENT,TRANSMITTED where there are several";
-            all.iter().find(here).cloned().ok_or_else(|| wrong(format!("there is no gauge on the {what} bar"), help))
+            let help = "record a gauge on each bar, and name them where there are several";
+            let error = || wrong(format!("there is no gauge on the {what} bar"), help).key("gauges");
+            all.iter().find(here).cloned().ok_or_else(error)
         };
         let (first, second) = (on(before, "incident")?, on(after, "transmission")?);
         let bar = |segment: &Segment, distance: f64| -> Result<ElasticBar> {

@@ -7,22 +7,33 @@ use serde::Serialize;
 use super::pulse::{Pulse, separate};
 use super::test_set::{ElasticBar, Records, Setup};
 use crate::error::{InputError, Result};
+use crate::input::{Allowed, Checked, member, optional, positive};
 use crate::material::Sense;
 use crate::study::invert::bands::HALF_95;
 use crate::study::invert::noise::at;
 use crate::study::invert::zero::Zeroed;
+use crate::units::Dimension;
 
 /// How to reduce.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Length of the reduction from the arrival of the incident pulse on, s; the length of the pulse where it is not given.
+    /// Length of the reduction from the arrival of the incident pulse on, s, > 0; the length of the pulse where it is not given.
     pub window: Option<f64>,
     /// Time after which a wave from the far end of the transmission bar is back at its gauge, s, where it is known.
     pub limit: Option<f64>,
-    /// Largest difference of the two faces' forces over their mean that counts as equilibrium.
+    /// Largest difference of the two faces' forces over their mean that counts as equilibrium, > 0.
     pub equilibrium: f64,
-    /// Poisson's ratio of the bars, for the statement on dispersion.
+    /// Poisson's ratio of the bars, 0 to 0.5, for the statement on dispersion.
     pub poisson: f64,
+}
+
+impl Options {
+    fn check(&self) -> Checked {
+        optional("window", self.window, Dimension::Time, Allowed::Positive)?;
+        optional("limit", self.limit, Dimension::Time, Allowed::NotNegative)?;
+        positive([("equilibrium", self.equilibrium, Dimension::None)])?;
+        member("poisson", self.poisson, Dimension::None, Allowed::Within(0.0, 0.5))
+    }
 }
 
 /// One moment of the specimen. Magnitudes.
@@ -146,9 +157,12 @@ const WRONG_SENSE: f64 = 0.02;
 /// Reduces a test.
 ///
 /// # Errors
-/// Records without a pulse, that start inside it or are shorter than the window; pulses that overlap, that come in the wrong order or
+/// Numbers out of range, columns of different lengths, rows that are not finite; records without a pulse, that start inside it or are shorter than the window; pulses that overlap, that come in the wrong order or
 /// have the wrong sense.
 pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Reduced> {
+    setup.check()?;
+    options.check()?;
+    records.check()?;
     let (zeroed, pulse) = separate(setup, records)?;
     let mut warnings = wide(setup);
     let window = window(setup, records, options, &pulse, &mut warnings)?;
@@ -338,8 +352,8 @@ fn equilibrium(reduced: &mut Reduced, tolerance: f64, half: usize, end: usize) {
     let agree = longest(&imbalance[..end], tolerance);
     if (agree.len() as f64) < SHORTEST * end as f64 || agree.is_empty() {
         reduced.warnings.push(format!(
-            "the forces of the two faces agree to {:.0} % for less than a tenth of the loading: no curve; --equilibrium sets \
-             the limit",
+            "the forces of the two faces agree to {:.0} % for less than a tenth of the loading: no curve; a larger \
+             limit of their difference (equilibrium) gives one",
             100.0 * tolerance
         ));
         return;

@@ -2,6 +2,10 @@
 
 use serde::Serialize;
 
+use crate::input::{Allowed, Checked, member, positive};
+use crate::study::invert::given::check_record;
+use crate::units::Dimension::{Area, Density, Length, Stress};
+
 /// An elastic bar and the gauge on it.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct ElasticBar {
@@ -28,6 +32,29 @@ impl ElasticBar {
     /// Time of the elastic wave between gauge and specimen, s.
     pub(super) fn delay(&self) -> f64 {
         self.distance / self.c0()
+    }
+
+    /// Of this name.
+    fn check(&self, name: &str) -> Checked {
+        let [modulus, density, area] = ["modulus", "density", "area"].map(|member| format!("{name}.{member}"));
+        positive([(&modulus, self.modulus, Stress), (&density, self.density, Density), (&area, self.area, Area)])?;
+        member(&format!("{name}.distance"), self.distance, Length, Allowed::NotNegative)
+    }
+}
+
+impl Setup {
+    pub(super) fn check(&self) -> Checked {
+        self.incident.check("incident")?;
+        self.transmitted.check("transmitted")?;
+        positive([("length", self.length, Length), ("area", self.area, Area)])
+    }
+}
+
+impl Records {
+    pub(super) fn check(&self) -> Checked {
+        [("incident", &self.incident), ("transmitted", &self.transmitted)]
+            .into_iter()
+            .try_for_each(|(name, (time, strain))| check_record(name, time, strain))
     }
 }
 

@@ -8,22 +8,24 @@ use super::modulus::{ElasticLine, Variances, elastic_line};
 use super::smooth::{FLOOR, Smooth, smooth};
 use super::{maximum, modulus, noise};
 use crate::error::InputError;
+use crate::input::{Allowed, Checked, finite, member, optional};
+use crate::units::Dimension;
 
 /// How a record is reduced.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reduce {
-    /// Elastic modulus, Pa, if it is known better than by the record.
+    /// Elastic modulus, Pa, > 0, if it is known better than by the record.
     pub modulus: Option<f64>,
     /// The extensions include those of machine and grips: strains are corrected so that the elastic line has the modulus.
     pub compliance: bool,
-    /// Stresses between which the elastic line is fitted, Pa; none: they are searched for.
+    /// Stresses between which the elastic line is fitted, Pa, 0 <= low < high; none: they are searched for.
     pub elastic_range: Option<[f64; 2]>,
     /// Strains are shifted so that the elastic line starts at zero.
     pub toe: bool,
-    /// Width in strain of the window of the smoothing; none: as wide as curve and noise allow.
+    /// Width in strain of the window of the smoothing, > 0; none: as wide as curve and noise allow.
     pub window: Option<f64>,
     /// Largest distance in stress of the knots' curve from the smoothed one, over the largest stress; the impact velocity of no piece
-    /// between two knots differs by more than this part, either.
+    /// between two knots differs by more than this part, either. 1e-5 to 0.05.
     pub tolerance: f64,
     /// Step to which the stresses of the record are rounded, Pa; 0: none.
     pub stress_step: f64,
@@ -36,6 +38,33 @@ impl Reduce {
     pub const TOLERANCE: f64 = 1e-3;
     /// Fewest rows of a record; fewer are a table, which is kept as it is.
     pub const FEWEST_ROWS: usize = 50;
+
+    /// Its numbers.
+    pub(crate) fn check(&self) -> Checked {
+        optional("modulus", self.modulus, Dimension::Stress, Allowed::Positive)?;
+        self.elastic_range.map_or(Ok(()), check_range)?;
+        optional("window", self.window, Dimension::None, Allowed::Positive)?;
+        check_tolerance(self.tolerance)?;
+        // Values of which none differs have no step.
+        let step = |step: f64| Some(step).filter(|step| *step != f64::INFINITY);
+        optional("stress_step", step(self.stress_step), Dimension::Stress, Allowed::NotNegative)?;
+        optional("strain_step", step(self.strain_step), Dimension::None, Allowed::NotNegative)
+    }
+}
+
+/// A tolerance of knots.
+pub(super) fn check_tolerance(tolerance: f64) -> Checked {
+    member("tolerance", tolerance, Dimension::None, Allowed::Within(1e-5, 0.05))
+}
+
+/// Stresses between which an elastic line is fitted, Pa.
+pub(super) fn check_range([low, high]: [f64; 2]) -> Checked {
+    if low >= 0.0 && high > low && high.is_finite() {
+        return Ok(());
+    }
+    let error =
+        InputError::new(format!("{} MPa to {} MPa is an empty interval", low / 1e6, high / 1e6)).key("elastic_range");
+    Err(error.allowed("0 <= low < high").help("name the smaller stress first"))
 }
 
 /// Offset of the proof stress.
@@ -80,15 +109,18 @@ impl Reduction {
 /// Reduces a record (engineering strain, engineering stress in Pa, in the order of the test) to a curve.
 ///
 /// # Errors
-/// A record without an elastic part, or without enough rows.
+/// Numbers out of range, rows that are not finite; a record without an elastic part, or without enough rows.
 pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputError> {
+    how.check()?;
+    finite("record.strain", record.iter().map(|row| row.0))?;
+    finite("record.stress", record.iter().map(|row| row.1))?;
     let cleaned = clean(record);
     let (mut rows, mut changes) = (cleaned.rows, cleaned.changes);
     if rows.len() < Reduce::FEWEST_ROWS {
         let message = format!("{} of {} are left: {}", count(rows.len()), record.len(), changes.join("; "));
-        let error =
-            InputError::new(message).allowed(format!("at least {} rows of growing strain", Reduce::FEWEST_ROWS));
-        return Err(error.help("check the columns; --keep-rows keeps the rows unchanged"));
+        let error = InputError::new(message).key("record");
+        let error = error.allowed(format!("at least {} rows of growing strain", Reduce::FEWEST_ROWS));
+        return Err(error.help("check the columns"));
     }
     // The mean of evenly timed rows of one strain is the nearer to it the more there are.
     let variance = |rows: &usize| (how.strain_step / *rows as f64).powi(2) / 12.0;
@@ -135,20 +167,20 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
 fn no_line(how: &Reduce, largest: f64) -> InputError {
     let Some([low, high]) = how.elastic_range.map(|range| range.map(|stress| stress / 1e6)) else {
         let error = InputError::new("the record has no straight part at its start");
-        return error.help("name the stresses of its elastic part, e.g. --elastic-range \"20 MPa..100 MPa\"");
+        return error.key("elastic_range").help("name the stresses of its elastic part");
     };
     let message = format!(
         "no line can be fitted between {low} and {high} MPa; the largest stress of the record is {:.1} MPa",
         largest / 1e6
     );
     let allowed = format!("an interval with at least {} rows, along which the stress rises", modulus::FEWEST);
-    InputError::new(message).key("--elastic-range").allowed(allowed).help("name an interval below the yield stress")
+    InputError::new(message).key("elastic_range").allowed(allowed).help("name an interval below the yield stress")
 }
 
 /// A window of the smoothing hides the shape of a curve that is not longer than some windows.
 const FEWEST_WINDOWS: f64 = 2.0;
 
-/// Refuses a window of the smoothing (`--smooth`) that is too long for a curve of this strain behind its elastic line.
+/// Refuses a window of the smoothing that is too long for a curve of this strain behind its elastic line.
 fn fits(window: f64, strain: f64) -> Result<(), InputError> {
     let most = strain / FEWEST_WINDOWS;
     if window <= most {
@@ -156,9 +188,8 @@ fn fits(window: f64, strain: f64) -> Result<(), InputError> {
     }
     let message =
         format!("a window of strain {window} is too wide for a record of strain {strain:.4} behind its elastic line");
-    let error = InputError::new(message).key("--smooth").allowed(format!("at most {most:.4}, half of the record"));
-    Err(error
-        .help("e.g. --smooth \"0.5 %\" or --smooth 0.005; leave it out to have the width chosen by curve and noise"))
+    let error = InputError::new(message).key("window").allowed(format!("at most {most:.4}, half of the record"));
+    Err(error.help("give a smaller one, or leave it out to have the width chosen by curve and noise"))
 }
 
 /// A slope of the record that differs by more than this from a given modulus is not that of its elastic line.
@@ -183,19 +214,17 @@ fn correct(
             line.error / 1e9
         );
         let least = (line.slope / most / 1e5).ceil() / 1e4;
-        let error = InputError::new(message).key("--modulus").allowed(format!("at least {least} GPa"));
+        let error = InputError::new(message).key("modulus").allowed(format!("at least {least} GPa"));
         return Err(error.help("check the gauge length, the units and the modulus"));
     }
     if how.modulus.is_none() && line.error > UNCERTAIN * line.slope {
         let error = 100.0 * line.error / line.slope;
-        changes.push(format!(
-            "the modulus is uncertain by {error:.1} % (ASTM E111 allows 2 %): give a better one with --modulus"
-        ));
+        changes.push(format!("the modulus is uncertain by {error:.1} % (ASTM E111 allows 2 %): give a better one"));
     }
     if let Some([lower, upper]) = line.bend {
         changes.push(format!(
             "the rows of the elastic range are not on one line, their slope is {:.3} GPa in its lower half and {:.3} GPa in its upper one: \
-             name a narrower --elastic-range, without toe and knee",
+             name a narrower elastic range, without toe and knee",
             lower / 1e9,
             upper / 1e9
         ));
@@ -212,7 +241,10 @@ fn correct(
         (last, through) = (line.from, line.between[0].max(0.0));
         let message =
             "the line of the modulus is drawn through the first point of the steepest part, which has a slope of";
-        changes.push(format!("{message} {:.3} GPa (--compliance corrects the strains instead)", line.slope / 1e9));
+        changes.push(format!(
+            "{message} {:.3} GPa (the strains can be corrected for the compliance instead)",
+            line.slope / 1e9
+        ));
     }
     // Strain at which the line of the modulus has no stress.
     let found = line.origin + through * (1.0 / line.slope - compliance - 1.0 / modulus);

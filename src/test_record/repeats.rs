@@ -1,7 +1,7 @@
 //! One curve with a band from several repeats of one test.
 
 use super::decimate::decimate;
-use super::reduce::{Reduction, rounded, six_digits};
+use super::reduce::{Reduction, check_tolerance, rounded, six_digits};
 use crate::error::InputError;
 use crate::material::{Beyond, Curve, Scatter, TestCurve, mean_curve, mean_modulus};
 
@@ -26,8 +26,13 @@ const FINER: f64 = 4.0;
 /// Combines reduced records (name, reduction). `tolerance` is that of the knots, over the largest stress.
 ///
 /// # Errors
-/// A reduction whose knots are no curve.
+/// No test; a tolerance out of range; a reduction whose knots are no curve.
 pub fn combine(tests: &[(String, Reduction)], tolerance: f64) -> Result<Repeats, InputError> {
+    check_tolerance(tolerance)?;
+    if tests.is_empty() {
+        let error = InputError::new("there is no test to combine").key("tests");
+        return Err(error.allowed("at least one test").help("reduce the records first"));
+    }
     let curve = |(record, reduction): &(String, Reduction)| {
         let beyond = if reduction.fracture.is_some() { Beyond::Rupture } else { Beyond::Error };
         let curve = Curve::new(&reduction.knots, beyond).map_err(|e| InputError::new(format!("{record}: {e}")))?;

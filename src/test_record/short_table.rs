@@ -5,8 +5,11 @@
 
 use super::clean::count;
 use super::fit::line;
+use super::reduce::check_range;
 use crate::error::InputError;
+use crate::input::{Allowed, optional};
 use crate::material::SLOPE_ROUND_OFF;
+use crate::units::Dimension;
 
 /// Fewest rows, the origin among them, that make a line.
 const FEWEST: usize = 3;
@@ -28,7 +31,7 @@ pub struct Straightened {
 /// `rows` are strain and stress (Pa), increasing in strain.
 ///
 /// # Errors
-/// Fewer than three rows in the range, a line that does not rise, or one that the row above it lies left of.
+/// Numbers out of range; fewer than three rows in the range, a line that does not rise, or one that the row above it lies left of.
 pub fn straighten(
     rows: &[(f64, f64)],
     range: [f64; 2],
@@ -36,9 +39,11 @@ pub fn straighten(
     toe: bool,
 ) -> Result<Straightened, InputError> {
     let wrong = |message: String| {
-        let error = InputError::new(message).key("--elastic-range");
-        error.allowed(format!("at least {FEWEST} rows that rise")).help("e.g. --elastic-range \"0 MPa..150 MPa\"")
+        let error = InputError::new(message).key("elastic_range");
+        error.allowed(format!("at least {FEWEST} rows that rise")).help("name the stresses of the elastic part")
     };
+    check_range(range)?;
+    optional("modulus", modulus, Dimension::Stress, Allowed::Positive)?;
     let past = rows.iter().position(|row| row.1 > range[1]).unwrap_or(rows.len());
     let inside: Vec<(f64, f64)> = rows[..past].iter().copied().filter(|row| row.1 >= range[0]).collect();
     let [low, high] = range.map(|stress| stress / 1e6);

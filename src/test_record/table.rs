@@ -86,11 +86,11 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
         let message = format!("column {} is named twice", abscissa.1 + 1);
         return Err(document.error(0..0, "", message).help("name two different columns").into());
     }
-    let abscissa = unit(&document, &table, abscissa, reading.abscissa_unit.as_deref(), "--strain-unit")?;
-    let ordinate = unit(&document, &table, ordinate, reading.ordinate_unit.as_deref(), "--unit")?;
+    let abscissa = unit(&document, &table, abscissa, reading.abscissa_unit.as_deref(), "abscissa_unit")?;
+    let ordinate = unit(&document, &table, ordinate, reading.ordinate_unit.as_deref(), "ordinate_unit")?;
     let strain =
-        abscissa.size / divisor(&abscissa, reading.gauge_length, Kind::Extension, "--gauge-length", "gauge length")?;
-    let stress = ordinate.size / divisor(&ordinate, reading.area, Kind::Force, "--area", "cross-section")?;
+        abscissa.size / divisor(&abscissa, reading.gauge_length, Kind::Extension, "gauge_length", "gauge length")?;
+    let stress = ordinate.size / divisor(&ordinate, reading.area, Kind::Force, "area", "cross-section")?;
     table.keep(&document, [abscissa.place, ordinate.place])?;
     let (mut rows, mut spans) = (Vec::new(), Vec::new());
     for line in &table.rows {
@@ -152,8 +152,8 @@ fn measure(document: &Document, table: &Table, columns: [&Column; 2], reading: &
     }
     let span = table.header.as_ref().map_or(0..0, |header| header.span.clone());
     let message = format!("only one of `{}` and `{}` is named as true", columns[0].title, columns[1].title);
-    let help = "state the measure of both with --measure true or --measure engineering, or convert one of the columns";
-    Err(document.error(span, "", message).allowed("both engineering or both true").help(help).into())
+    let help = "state the measure of both, true or engineering, or convert one of the columns";
+    Err(document.error(span, "measure", message).allowed("both engineering or both true").help(help).into())
 }
 
 /// Refuses true values of columns that are divided by the initial gauge length or cross-section.
@@ -165,8 +165,8 @@ fn on_current_dimensions(columns: [&Column; 2]) -> Result<()> {
         _ => "an extension over the initial gauge length",
     };
     let message = format!("`{}` is {what}: an engineering value", column.title);
-    let error = InputError::new(message).key("--measure").allowed("columns of true strain and true stress");
-    Err(error.help("leave out --measure").into())
+    let error = InputError::new(message).key("measure").allowed("columns of true strain and true stress");
+    Err(error.help("leave the measure out").into())
 }
 
 fn describe(table: &Table, abscissa: &Column, ordinate: &Column) -> String {
@@ -289,7 +289,7 @@ fn unit(
     table: &Table,
     (kind, place): (Kind, usize),
     given: Option<&str>,
-    option: &str,
+    argument: &str,
 ) -> Result<Column> {
     let stated = whole(table, place);
     let title = table.header.as_ref().and_then(|h| h.cells.get(place)).map_or(String::new(), |cell| cell.text.clone());
@@ -303,8 +303,9 @@ fn unit(
     };
     if !stated.unit.is_empty() {
         if given.is_some() && heading::size(&stated.unit, kind).is_some() {
-            let message = format!("the unit of {} is given twice: `{title}` and {option}", kind.name());
-            return Err(document.error(span(), "", message).help(format!("remove {option}")).into());
+            let message =
+                format!("the unit of {} is given twice: in the heading `{title}`, and beside it", kind.name());
+            return Err(document.error(span(), argument, message).help("leave out the one beside it").into());
         }
         if let Some(size) = heading::size(&stated.unit, kind) {
             return Ok(column(size, true));
@@ -312,10 +313,10 @@ fn unit(
         if given.is_none() {
             let message = format!("`{}` is not a unit of {}", stated.unit, kind.name());
             let help = heading::most_like(&stated.unit, kind).map_or_else(
-                || format!("write a unit such as {example} in the heading, or name it with {option}"),
-                |near| format!("did you mean `{near}`? Write it in the heading, or name the unit with {option}"),
+                || format!("write a unit such as {example} in the heading, or give it beside the record"),
+                |near| format!("did you mean `{near}`? Write it in the heading, or give it beside the record"),
             );
-            return Err(document.error(span(), "", message).help(help).into());
+            return Err(document.error(span(), argument, message).help(help).into());
         }
     }
     let Some(given) = given else { return Ok(column(1.0, false)) };
@@ -323,29 +324,24 @@ fn unit(
         let message = format!("`{given}` is not a unit of {}", kind.name());
         let help = heading::most_like(given, kind)
             .map_or_else(|| format!("write a unit such as {example}"), |near| format!("did you mean `{near}`?"));
-        InputError::new(message).key(option).help(help).into()
+        InputError::new(message).key(argument).help(help).into()
     })
 }
 
 /// What turns an extension into a strain, or a force into a stress; 1 where the column is one already.
-fn divisor(column: &Column, given: Option<f64>, needs: Kind, option: &str, what: &str) -> Result<f64> {
+fn divisor(column: &Column, given: Option<f64>, needs: Kind, argument: &str, what: &str) -> Result<f64> {
     match (column.kind == needs, given) {
         (true, Some(value)) => Ok(value),
         (false, None) => Ok(1.0),
         (true, None) => {
-            let error = InputError::new(format!("{} needs the {what} of the specimen", needs.name())).key(option);
-            let help = if needs == Kind::Force {
-                "e.g. --area \"28.3 mm^2\" or --diameter \"6 mm\""
-            } else {
-                "e.g. --gauge-length \"25 mm\""
-            };
-            Err(error.help(help).into())
+            let error = InputError::new(format!("{} needs the {what} of the specimen", needs.name())).key(argument);
+            Err(error.help(format!("give the {what}")).into())
         }
         (false, Some(_)) => {
             let message = format!("the record holds {}, which needs no {what}", column.kind.name());
             Err(InputError::new(message)
-                .key(option)
-                .help(format!("remove it, or give the column with --{}-column", needs.name()))
+                .key(argument)
+                .help(format!("leave it out, or name the column of the {}", needs.name()))
                 .into())
         }
     }

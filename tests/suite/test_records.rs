@@ -6,6 +6,7 @@ use crate::common::synthetic;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use barwave::test_record::{Reduce, combine, reduce, straighten};
 use binary::barwave;
 use serde_json::Value;
 use synthetic::{BILINEAR, CLEAN, Faults, LABORATORY, RAMBERG_OSGOOD, Truth, csv, record};
@@ -705,7 +706,7 @@ fn wrong_records_are_refused_with_one_clear_error() {
     }
     // Text, options, and what the message holds; a line number stands before a colon.
     let machine = machine_record("Time (s),Crosshead (mm),Extensometer (mm),Load (kN)");
-    let cases: [(&str, &[&str], &str); 29] = [
+    let cases: [(&str, &[&str], &str); 31] = [
         (&machine, &["--gauge-length", "50", "--area", "100 mm^2"], "`50` has no unit and would be 50 m"),
         (&machine, &["--gauge-length", "50 mm", "--diameter", "6"], "`6` has no unit and would be 6 m"),
         (
@@ -733,6 +734,8 @@ fn wrong_records_are_refused_with_one_clear_error() {
         (&good, &["--modulus", "100 GPa"], "at least 174."),
         (&good, &["--modulus", "29.5"], "`29.5` has no unit and would be 29.5 Pa"),
         (&good, &["--smooth", "50"], "a window of strain 50 is too wide"),
+        (&good, &["--elastic-range", "95 MPa..90 MPa"], "95 MPa to 90 MPa is an empty interval"),
+        (&good, &["--tolerance", "0.5"], "0.5 is out of range"),
         (&good, &["--elastic-range", "90 GPa..95 GPa"], "no line can be fitted between 90000 and 95000 MPa"),
         (&good, &["-o", "a.csv"], "`a.csv` is not a name of a material file"),
         (&tiny, &[], "the unit of stress or force is not given"),
@@ -751,4 +754,56 @@ fn wrong_records_are_refused_with_one_clear_error() {
         assert!(message.contains(words) && message.contains("help"), "`{words}` is not in: {message}");
         assert!(!folder.path().join("a.toml").exists() && output.stdout.is_empty());
     }
+}
+
+#[test]
+fn numbers_of_a_program_are_checked_as_those_of_the_command_line() {
+    let how = Reduce {
+        modulus: None,
+        compliance: false,
+        elastic_range: None,
+        toe: true,
+        window: None,
+        tolerance: Reduce::TOLERANCE,
+        stress_step: 0.0,
+        strain_step: 0.0,
+    };
+    let row = |k: i32| {
+        let strain = 1e-5 * f64::from(k);
+        (strain, (200e9 * strain).min(200e6 + 5e9 * (strain - 1e-3)))
+    };
+    let record: Vec<(f64, f64)> = (0..2000).map(row).collect();
+    let refused = |record: &[(f64, f64)], how: Reduce, key: &str| {
+        let error = reduce(record, &how).expect_err(key);
+        assert!(error.key == key && !error.allowed.is_empty() && !error.help.contains("--"), "{error:?}");
+    };
+    assert!(reduce(&record, &how).is_ok());
+    for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let with = |row: (f64, f64)| {
+            let mut record = record.clone();
+            record[700] = row;
+            record
+        };
+        refused(&with((0.007, wrong)), how, "record.stress");
+        refused(&with((wrong, 230e6)), how, "record.strain");
+    }
+    for wrong in [f64::NAN, f64::INFINITY, -1.0, 0.0] {
+        let modulus = Some(wrong);
+        refused(&record, Reduce { modulus, ..how }, "modulus");
+        refused(&record, Reduce { modulus, compliance: true, ..how }, "modulus");
+        refused(&record, Reduce { window: Some(wrong), ..how }, "window");
+        refused(&record, Reduce { tolerance: wrong, ..how }, "tolerance");
+        refused(&record, Reduce { elastic_range: Some([100e6, wrong]), ..how }, "elastic_range");
+    }
+    for step in [f64::NAN, -1.0] {
+        refused(&record, Reduce { stress_step: step, ..how }, "stress_step");
+        refused(&record, Reduce { strain_step: step, ..how }, "strain_step");
+    }
+    refused(&record, Reduce { window: Some(50.0), ..how }, "window");
+    refused(&record, Reduce { elastic_range: Some([90e9, 95e9]), ..how }, "elastic_range");
+    refused(&record[..20], how, "record");
+    assert_eq!(combine(&[], Reduce::TOLERANCE).expect_err("there is nothing").key, "tests");
+    let reduced = reduce(&record, &how).expect("a record");
+    assert_eq!(combine(&[("a".into(), reduced)], f64::NAN).expect_err("no tolerance").key, "tolerance");
+    assert_eq!(straighten(&record, [0.0, f64::NAN], None, true).expect_err("no range").key, "elastic_range");
 }

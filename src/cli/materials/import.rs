@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::critical_line;
 use crate::cli::critical::SenseArg;
-use crate::cli::output;
+use crate::cli::{options, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material::{self, Beyond, Material, Measure, RawMaterial, Sense, engineering_from_true};
-use crate::report::plot::{Format, save};
+use crate::report::plot::save;
 use crate::report::test_record::{Drawn, figure};
 use crate::test_record::{self, Kind, MaterialText, Reading, Record, Reduce, Reduction, Repeats};
 use crate::units::{Dimension, Quantity};
@@ -188,7 +188,25 @@ struct Curve {
     changes: Vec<String>,
 }
 
+/// Arguments of the library that options give.
+const OPTIONS: &[options::OptionOf<'static>] = &[
+    ("record", "", "--keep-rows keeps the rows unchanged"),
+    ("modulus", "--modulus", ""),
+    ("elastic_range", "--elastic-range", "e.g. --elastic-range \"20 MPa..100 MPa\""),
+    ("window", "--smooth", "e.g. --smooth \"0.5 %\" or --smooth 0.005"),
+    ("tolerance", "--tolerance", "e.g. --tolerance 1e-3"),
+    ("measure", "--measure", "--measure true or --measure engineering states it"),
+    ("abscissa_unit", "--strain-unit", "--strain-unit names it"),
+    ("ordinate_unit", "--unit", "--unit names it"),
+    ("gauge_length", "--gauge-length", "--gauge-length \"25 mm\" gives it"),
+    ("area", "--area", "--area \"28.3 mm^2\" or --diameter \"6 mm\" gives it"),
+];
+
 pub(super) fn run(args: &Args) -> Result<()> {
+    write_material(args).map_err(|error| options::name(error, OPTIONS))
+}
+
+fn write_material(args: &Args) -> Result<()> {
     let path = args.output.clone().unwrap_or_else(|| match &args.records[0] {
         stdin if destination::is_stdout(stdin) => stdin.clone(),
         file => file.with_extension("toml"),
@@ -197,7 +215,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     is_material_file(&path)?;
     refuse_existing(&path, args.force)?;
     if let Some(plot) = &args.plot {
-        Format::of(plot).map_err(|e| with_key(e, "--plot"))?;
+        options::picture(plot, "--plot")?;
         destination::resolve(plot)?;
     }
     si(&args.density.parse().unwrap_or(Quantity::Text(args.density.clone())), Dimension::Density, "--density")?;
@@ -263,13 +281,6 @@ fn refuse_existing(path: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
-fn with_key(error: Error, key: &str) -> Error {
-    match error {
-        Error::Input(e) => e.key(key).into(),
-        other => other,
-    }
-}
-
 /// A positive quantity of the command line.
 fn si(value: &Quantity, dimension: Dimension, key: &str) -> Result<f64> {
     let example = format!("e.g. {key} \"{}\"", dimension.example());
@@ -303,15 +314,11 @@ fn reading(args: &Args) -> Result<Reading> {
 }
 
 fn how(args: &Args) -> Result<Reduce> {
-    if !(1e-5..=0.05).contains(&args.tolerance) {
-        let error = InputError::new(format!("{} is out of range", args.tolerance)).key("--tolerance");
-        return Err(error.allowed("1e-5 <= tolerance <= 0.05").help("e.g. --tolerance 1e-3").into());
-    }
     let modulus = args.modulus.as_ref().map(modulus_of_option).transpose()?;
     let elastic_range = args.elastic_range.as_deref().map(elastic_range).transpose()?;
     let window = args.smooth.as_ref().map(|width| si(width, Dimension::None, "--smooth")).transpose()?;
     let toe = args.toe == Switch::On;
-    Ok(Reduce {
+    let how = Reduce {
         modulus,
         compliance: args.compliance,
         elastic_range,
@@ -320,7 +327,9 @@ fn how(args: &Args) -> Result<Reduce> {
         tolerance: args.tolerance,
         stress_step: 0.0,
         strain_step: 0.0,
-    })
+    };
+    how.check()?;
+    Ok(how)
 }
 
 /// Refuses a plain number that no specimen has in metres or square metres: it is one in millimetres or inches.
@@ -371,8 +380,7 @@ fn elastic_range(text: &str) -> Result<[f64; 2]> {
             .map_err(|error| error.key(key).allowed("two stresses with units").help(help))?;
         Ok::<f64, Error>(value)
     };
-    let (low, high) = (stress(low)?, stress(high)?);
-    if low >= 0.0 && high > low { Ok([low, high]) } else { Err(wrong(format!("`{text}` is an empty interval"))) }
+    Ok([stress(low)?, stress(high)?])
 }
 
 fn import(file: &Path, args: &Args, reading: &Reading, how: &Reduce) -> Result<Imported> {

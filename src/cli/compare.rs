@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::compare_results::{self, Outputs};
 use super::critical::SenseArg;
 use super::result_file::is_result;
-use super::{critical, output};
+use super::{critical, options, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::Field;
@@ -43,7 +43,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let is_csv = args.output.as_deref().is_some_and(output::is_csv);
     if let Some(path) = args.output.as_deref().filter(|_| !is_csv) {
-        plot::Format::of(path).map_err(|e| match e {
+        options::picture(path, "-o").map_err(|e| match e {
             Error::Input(e) => Error::Input(e.allowed("a file name ending in .svg, .png, .pdf, .html or .csv")),
             other => other,
         })?;

@@ -11,13 +11,15 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::scratch::Scratch;
-use super::{interrupt, output};
+use super::{interrupt, options, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::{Measure, SolvedBy};
 use crate::report::{self, plot};
 use crate::scene::{ImpactScene, Problem};
-use crate::study::cost::{Cost, CostPoint, CostToTolerance, EffectCost, Growth, Hooks, OrderFit, Whole, cost};
+use crate::study::cost::{
+    Cost, CostPoint, CostToTolerance, EffectCost, Growth, Hooks, OrderFit, Whole, check_budget, cost,
+};
 use crate::study::impact_cost::impact_cost;
 use crate::units::{Dimension, Quantity};
 
@@ -71,7 +73,15 @@ const TICKS: f64 = 10.0;
 /// Milliseconds in a second.
 const MILLI: f64 = 1e3;
 
+/// Arguments of the library that options give.
+const OPTIONS: &[options::OptionOf<'static>] =
+    &[("budget", "--budget", "e.g. --budget 60s or --budget \"5 min\""), ("measure", "--measure", "")];
+
 pub(crate) fn run(args: &Args) -> Result<()> {
+    study(args).map_err(|error| options::name(error, OPTIONS))
+}
+
+fn study(args: &Args) -> Result<()> {
     let budget = seconds(&args.budget)?;
     let measure = measure(args.measure.as_deref().unwrap_or(USUAL_MEASURE))?;
     let kind = args.output.as_deref().map(kind).transpose()?;
@@ -156,15 +166,10 @@ fn of_impact(args: &Args, scene: &ImpactScene, kind: Option<&Kind>, budget: f64)
 }
 
 fn seconds(budget: &Quantity) -> Result<f64> {
-    let wrong = |message: String| {
-        let error = InputError::new(message).key("--budget").allowed("a time above 0");
-        Error::from(error.help("e.g. --budget 60s or --budget \"5 min\""))
-    };
-    match budget.si(Dimension::Time) {
-        Ok(seconds) if seconds > 0.0 => Ok(seconds),
-        Ok(seconds) => Err(wrong(format!("the budget {seconds} s is not positive"))),
-        Err(message) => Err(wrong(message)),
-    }
+    let wrong = |message: String| InputError::new(message).key("budget").allowed("a time above 0");
+    let seconds = budget.si(Dimension::Time).map_err(wrong)?;
+    check_budget(seconds)?;
+    Ok(seconds)
 }
 
 fn measure(name: &str) -> Result<Measure> {
@@ -181,7 +186,7 @@ fn kind(path: &Path) -> Result<Kind> {
         "csv" => Ok(Kind::Csv),
         _ if output::is_csv(path) => Ok(Kind::Csv),
         "json" => Ok(Kind::Json),
-        _ => plot::Format::of(path).map(|_| Kind::Picture).map_err(|e| match e {
+        _ => options::picture(path, "-o").map(|_| Kind::Picture).map_err(|e| match e {
             Error::Input(e) => e.allowed("a file name ending in .csv, .svg, .png, .pdf, .html or .json").into(),
             other => other,
         }),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{output, settings};
+use super::{options, output, settings};
 use crate::destination;
 use crate::error::Result;
 use crate::inputs;
@@ -39,11 +39,19 @@ pub(crate) struct Args {
     units: System,
 }
 
+/// Arguments of the library that options give.
+const OPTIONS: &[options::OptionOf<'static>] =
+    &[("size", "--size", "e.g. --size 680x480"), ("panels", "--panel", ""), ("field", "--field", "")];
+
 pub(crate) fn run(args: &Args) -> Result<()> {
+    write(args).map_err(|error| options::name(error, OPTIONS))
+}
+
+fn write(args: &Args) -> Result<()> {
     let file = ResultFile::open(&args.file)?;
     inputs::protect(&args.file);
     let path = args.output.clone().unwrap_or_else(|| args.file.with_extension("svg"));
-    let format = Format::of(&path)?;
+    let format = options::picture(&path, "-o")?;
     output::check(settings::json(), [Some(path.as_path())])?;
     let units = match args.units {
         System::Si => Units::Si,
@@ -65,11 +73,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// `680x480`.
 fn size(text: &str) -> std::result::Result<[f64; 2], String> {
-    const LARGEST: f64 = 10_000.0;
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|px| (1.0..=LARGEST).contains(px));
+    let number = |text: &str| text.trim().parse::<f64>().ok();
     let (width, height) = text.split_once(['x', 'X', '\u{d7}']).ok_or("expected width x height in px, e.g. 680x480")?;
     match (number(width), number(height)) {
         (Some(width), Some(height)) => Ok([width, height]),
-        _ => Err(format!("width and height must be numbers of px from 1 to {LARGEST}, e.g. 680x480")),
+        _ => Err("width and height must be numbers of px, e.g. 680x480".into()),
     }
 }

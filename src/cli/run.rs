@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::summary::{choice_text, text};
-use super::{interrupt, message, output};
+use super::{interrupt, message, options, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
@@ -78,7 +78,8 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
     let every = args.checkpoint.as_ref().map(interval).transpose()?;
     if let Some(path) = &args.resume {
         nothing_beside_resume(args)?;
-        return show(args, path, |progress| run::resume(path, every, progress)).map(|()| 0);
+        let ended = show(args, path, |progress| run::resume(path, every, progress)).map(|()| 0);
+        return ended.map_err(|error| options::name(error, &[("every", "--checkpoint", "e.g. --checkpoint 60s")]));
     }
     if let [file] = &args.scenes[..] {
         return run_file(args, file, every, &mut Vec::new()).map(|()| 0);

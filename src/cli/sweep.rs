@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-use super::{interrupt, output};
+use super::{interrupt, options, output};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::report::{self, plot};
@@ -44,13 +44,17 @@ pub(crate) struct Args {
     quiet: bool,
 }
 
+/// Arguments of the library that options give.
+pub(crate) const OPTIONS: &[options::OptionOf<'static>] = &[
+    ("folder", "-o", "-o names the folder"),
+    ("resume", "--resume", "--resume continues a sweep, -o names the folder"),
+    ("shard", "--shard", ""),
+];
+
 pub(crate) fn run(args: &Args) -> Result<()> {
     let sweep = Sweep::read(&args.sweep)?;
     if let Some(path) = &args.plot {
-        plot::Format::of(path).map_err(|error| match error {
-            Error::Input(error) => error.key("--plot").into(),
-            other => other,
-        })?;
+        options::picture(path, "--plot")?;
         destination::resolve(path)?;
     }
     let silent = args.quiet || args.json;
@@ -78,6 +82,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     let finished = sweep::run(&sweep, &folder, shard, args.resume, &on_row, &interrupt::flag());
     bar.finish_and_clear();
+    let finished = finished.map_err(|error| options::name(error, OPTIONS));
     let finished = finished.inspect_err(|error| explain_interruption(error, &folder))?;
     let drawn = args.plot.as_ref().map_or(Ok(()), |path| draw(path, &sweep, &folder));
     for name in &finished.without_values {

@@ -8,8 +8,10 @@ use super::slider::Profiles;
 use super::view::View;
 use super::{histories, impact, profiles, theory};
 use crate::error::{InputError, Result};
+use crate::input::{Allowed, Checked, member};
 use crate::record::Field;
 use crate::record::store::{Metadata, ResultFile};
+use crate::units::Dimension;
 
 /// A panel of the figure of a bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -54,15 +56,26 @@ pub struct Figure {
     pub units: Units,
     /// In this order; empty: all panels for which the file has data, under a title.
     pub panels: Vec<PanelName>,
-    /// Width and height of the figure, px of 1/96 inch; none: the size of the panels.
+    /// Width and height of the figure, px of 1/96 inch; 1 to 10000; none: the size of the panels.
     pub size: Option<[f64; 2]>,
+}
+
+/// Widths and heights of a figure, px.
+const SIZES: Allowed = Allowed::Within(1.0, 10_000.0);
+
+impl Figure {
+    /// Its size, which becomes memory.
+    fn check_size(&self) -> Checked {
+        self.size.into_iter().flatten().try_for_each(|px| member("size", px, Dimension::None, SIZES))
+    }
 }
 
 /// Draws a result file as one picture. Panels without data are omitted.
 ///
 /// # Errors
-/// [`InputError`] if the file lacks the field or panel, has no frame or cannot be read, or if the size is too small.
+/// [`InputError`] if the file lacks the field or panel, has no frame or cannot be read, or if the size is too small or too large.
 pub fn draw(file: &ResultFile, figure: &Figure) -> Result<Picture> {
+    figure.check_size()?;
     let heading = figure.panels.is_empty().then(|| heading(file.metadata(), figure.units));
     if let Some(impact) = file.impact()? {
         return compose(heading.as_ref(), &impact_contents(file, &impact, figure)?, figure.size);
@@ -73,6 +86,7 @@ pub fn draw(file: &ResultFile, figure: &Figure) -> Result<Picture> {
 
 /// Each panel as a picture of its own, for a page, with the profile of one instant among them; `size` in px. Empty where there is nothing.
 pub(super) fn pictures(file: &ResultFile, figure: &Figure, size: [f64; 2]) -> Result<String> {
+    figure.check_size()?;
     if let Some(impact) = file.impact()? {
         // The page of an impact in closed form holds its tables.
         if !impact.has_histories() {
@@ -109,7 +123,7 @@ fn impact_contents<'a>(
 ) -> Result<Vec<Content<'a>>> {
     if !figure.panels.is_empty() {
         let message = format!("{} contains an impact of the kind `{}`", file.path().display(), impact.kind);
-        return Err(InputError::new(message).key("--panel").help("only results of bars have selectable panels").into());
+        return Err(InputError::new(message).key("panels").help("only results of bars have selectable panels").into());
     }
     impact::panels(file, impact, figure.units)
 }
@@ -145,7 +159,7 @@ fn nothing_in(view: &View, name: PanelName) -> InputError {
     let (panel, help) = match name {
         PanelName::Map | PanelName::Profiles => ("field", "no frame has been written yet"),
         PanelName::Gauges => ("gauge", "add `gauges` under [record] in the scene, and run it again"),
-        PanelName::Ends => ("stress at an end", "both ends are free; try --field velocity"),
+        PanelName::Ends => ("stress at an end", "both ends are free; try the field `velocity`"),
         PanelName::Energy => ("ledger", "no row of the ledger has been written yet"),
         PanelName::FrontSpeeds | PanelName::SelfSimilar => (
             "theoretical front",
@@ -156,7 +170,7 @@ fn nothing_in(view: &View, name: PanelName) -> InputError {
             "add gauges where the bar is strained, or `stress` and `strain` to `fields`, under [record]",
         ),
     };
-    InputError::new(format!("{} has no {panel} to plot", view.file.path().display())).key("--panel").help(help)
+    InputError::new(format!("{} has no {panel} to plot", view.file.path().display())).key("panels").help(help)
 }
 
 pub(super) fn view<'a>(file: &'a ResultFile, figure: &Figure) -> Result<View<'a>> {
@@ -170,7 +184,7 @@ pub(super) fn view<'a>(file: &'a ResultFile, figure: &Figure) -> Result<View<'a>
     if !fields.contains(&field) {
         let names: Vec<_> = fields.iter().map(|f| f.name()).collect();
         return Err(InputError::new(format!("{} has no field `{}`", file.path().display(), field.name()))
-            .key("--field")
+            .key("field")
             .allowed(names.join(", "))
             .help("add it to `fields` under [record] in the scene, and run it again")
             .into());

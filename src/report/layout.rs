@@ -107,7 +107,7 @@ fn too_small([width, height]: [f64; 2], [wide, high]: [f64; 2], count: usize) ->
     let panels = if count == 1 { "the panel".into() } else { format!("each of {count} panels") };
     let left = format!("{:.0} x {:.0} px for {panels}", wide.max(0.0), high.max(0.0));
     InputError::new(format!("a figure of {width} x {height} px leaves {left}"))
-        .key("--size")
+        .key("size")
         .allowed(format!("at least {least_wide} x {least_high} px for each panel"))
-        .help("choose a larger size, or fewer panels with --panel")
+        .help("choose a larger size, or fewer panels")
 }

@@ -45,9 +45,9 @@ impl Format {
             "html" | "htm" => Ok(Self::Html),
             _ if is_stdout(path) => Ok(Self::Svg),
             _ => Err(InputError::new(format!("unknown picture format `{}`", path.display()))
-                .key("-o")
+                .key("path")
                 .allowed("a file name ending in .svg, .png, .pdf or .html")
-                .help("e.g. -o figure.svg")
+                .help("the ending of the name is the format")
                 .into()),
         }
     }

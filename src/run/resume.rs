@@ -57,23 +57,24 @@ fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
         // A run that is killed as its last act leaves the checkpoint.
         remove_checkpoint(&place);
         let message = format!("the run has ended: its outcome is `{}`", metadata.outcome);
-        return Err(wrong(output, &message, "there is nothing to resume; `barwave report` draws the result"));
+        return Err(wrong(output, &message, "there is nothing to resume; `barwave report` draws the result").into());
     }
     let Some(checkpoint) = Checkpoint::read(&place)? else {
         let name = checkpoint_path(&place).display().to_string();
         let message = format!("there is no checkpoint to resume from (`{name}`)");
-        return Err(wrong(output, &message, "run its scene again, with --checkpoint 60s to be able to resume it"));
+        let error = wrong(output, &message, "run its scene again, with checkpoints to be able to resume it");
+        return Err(error.key("every").into());
     };
     if checkpoint.run_id != file.run_id() {
         let message = format!("`{}` is the checkpoint of another run", checkpoint_path(&place).display());
-        return Err(wrong(output, &message, "put back the checkpoint of this result, or run its scene again"));
+        return Err(wrong(output, &message, "put back the checkpoint of this result, or run its scene again").into());
     }
     let chosen: Chosen = unpack(&checkpoint.chosen).map_err(|e| Error::file(&checkpoint_path(&place), e))?;
     let mut scene = scene(&file, metadata, &chosen)?;
     let resolved = chosen.with_method(&scene).resolved_json().to_string();
     if resolved != metadata.scene_resolved || checksum(&resolved) != checkpoint.scene {
         let message = "this program resolves the scene differently from the one that started the run";
-        return Err(wrong(output, message, "resume with the program that started it, or run its scene again"));
+        return Err(wrong(output, message, "resume with the program that started it, or run its scene again").into());
     }
     scene.parts.solve.estimate_error = checkpoint.estimate_error;
     Ok((scene, checkpoint, chosen))
@@ -92,6 +93,6 @@ fn scene(file: &ResultFile, metadata: &Metadata, chosen: &Chosen) -> Result<Scen
     })
 }
 
-fn wrong(path: &Path, message: &str, help: &str) -> Error {
-    InputError::new(format!("{}: {message}", path.display())).help(help).into()
+fn wrong(path: &Path, message: &str, help: &str) -> InputError {
+    InputError::new(format!("{}: {message}", path.display())).help(help)
 }

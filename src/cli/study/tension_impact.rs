@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use toml::Value;
 
-use crate::cli::{interrupt, output, sweep};
+use crate::cli::{interrupt, options, output, sweep};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
@@ -61,17 +61,25 @@ pub(crate) struct Args {
     quiet: bool,
 }
 
+/// The argument of the library that these options give.
+const VELOCITIES: options::OptionOf<'static> = (
+    "velocities",
+    "--velocities",
+    "e.g. --velocities \"10 m/s, 50 m/s\", or --velocities \"5 m/s\" --to \"120 m/s\" --count 24",
+);
+
 pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(path) = &args.figure {
-        plot::Format::of(path)?;
+        options::picture(path, "--figure")?;
         destination::resolve(path)?;
     }
-    let test = test(args)?;
+    let test = test(args).map_err(|error| options::name(error, &[VELOCITIES]))?;
     let folder = args.output.clone().unwrap_or_else(|| output::default_folder(Path::new("")).join(&test.sweep.name));
     let silent = args.quiet || args.json;
     let bar = sweep::progress_bar(test.velocities.len() as u64, silent);
     let finished = run_cases(&test.sweep, &folder, Shard::WHOLE, args.resume, &|_| bar.inc(1), &interrupt::flag());
     bar.finish_and_clear();
+    let finished = finished.map_err(|error| options::name(error, sweep::OPTIONS));
     finished.inspect_err(|error| sweep::explain_interruption(error, &folder))?;
     let results = results(&test, &folder)?;
     let figure = args.figure.clone().unwrap_or_else(|| folder.join("tension-impact.svg"));

@@ -148,7 +148,7 @@ impl Claim {
 }
 
 /// What to do where the file cannot grow.
-const ROOM: &str = "make room there, name a file on another disk with -o, or record fewer frames, fields or cells";
+const ROOM: &str = "make room there, name a file on another disk, or record fewer frames, fields or cells";
 
 fn full(error: &std::io::Error) -> String {
     match error.kind() {

@@ -29,8 +29,10 @@ use self::refinement::Halt;
 use self::source::{Family, Source};
 use crate::accuracy::{INSTANTS, evenly};
 use crate::error::{Error, InputError, Result};
+use crate::input::{Checked, positive};
 use crate::record::Measure;
 use crate::scene::{Method, Scene};
+use crate::units::Dimension;
 
 /// Parts of the budget by which the stages of the study have to be done; what one leaves goes to the next.
 const REFERENCE_BY: f64 = 0.4;
@@ -76,20 +78,26 @@ pub struct Hooks<'a> {
     pub progress: &'a mut dyn FnMut(&str, f64) -> ControlFlow<()>,
 }
 
+/// The time budget of a study, s.
+pub(crate) fn check_budget(budget: f64) -> Checked {
+    positive([("budget", budget, Dimension::Time)])
+}
+
 /// Studies a scene that was read from text.
 ///
 /// # Errors
-/// An input error where no method can do the scene or no error can be measured; the error of a reference that cannot be run
+/// An input error where the budget is not positive, no method can do the scene or no error can be measured; the error of a reference that cannot be run
 /// at all; [`Error::Interrupted`] where the user stopped it before there was anything to show.
 pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     let started = Instant::now();
+    check_budget(hooks.budget)?;
     if scene.auto.is_some() {
         let message = "methods are compared for a fixed set of effects, and effects = \"auto\" does not fix it";
         let help = "name the effects in an [effects] table; `barwave plan` shows its selection";
         return Err(InputError::new(message).key("effects").help(help).into());
     }
     if hooks.measure == Measure::Gauges && scene.record.gauges.is_empty() {
-        let error = InputError::new("the scene has no gauges").key("--measure");
+        let error = InputError::new("the scene has no gauges").key("measure");
         return Err(error.help("add some in [record] gauges, or choose another measure").into());
     }
     let load = load();
@@ -197,8 +205,8 @@ fn no_reference(halt: &Halt) -> Error {
         Halt::Interrupted => Error::Interrupted,
         Halt::OutOfTime => {
             InputError::new("the budget is too short for a reference, against which errors are measured")
-                .key("--budget")
-                .help("give more time, e.g. --budget 300s")
+                .key("budget")
+                .help("give more time")
                 .into()
         }
         Halt::Failed(why) => InputError::new(format!("no reference could be run: {why}"))

@@ -117,9 +117,9 @@ impl Sweep {
     /// The scene of a case.
     ///
     /// # Errors
-    /// Input errors: what is wrong with the scene with these values.
+    /// Input errors: a case that the sweep does not have; what is wrong with the scene with these values.
     pub fn problem(&self, case: usize) -> Result<Problem> {
-        self.template.problem(&self.plan.overrides(case))
+        self.template.problem(&self.plan.overrides(case)?)
     }
 }
 
@@ -131,7 +131,7 @@ fn state_units(plan: &mut Plan, template: &Template) {
         return;
     }
     let keys: Vec<&str> = plain.iter().map(|&k| plan.axes[k].key.as_str()).collect();
-    let found = template.dimensions(&plan.overrides(0), &keys);
+    let found = template.dimensions(&plan.changes(0), &keys);
     for (k, dimension) in plain.into_iter().zip(found) {
         plan.axes[k].unit = dimension.map_or_else(String::new, Dimension::spaced_symbol);
     }
@@ -140,7 +140,7 @@ fn state_units(plan: &mut Plan, template: &Template) {
 /// What a scene names, such as materials, has no part in its text.
 fn checksum_of_files(plan: &Plan, template: &Template) -> u32 {
     // A case that is refused has read its files, too.
-    let of_case = |case| text_file::recorded(|| template.problem(&plan.overrides(case))).1;
+    let of_case = |case| text_file::recorded(|| template.problem(&plan.changes(case))).1;
     let texts: BTreeSet<String> = plan.cases_of_texts().into_iter().flat_map(of_case).map(|(_, text)| text).collect();
     checksum(&Vec::from_iter(texts).join("\n"))
 }

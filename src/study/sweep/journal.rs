@@ -58,14 +58,14 @@ impl Journal {
         destination::folder_at(folder)?;
         if Self::has_rows(folder) && !Self::all_refused(folder) {
             let message = format!("the folder {} already contains a sweep", folder.display());
-            let help = "continue it with --resume, or choose another folder with -o";
-            return Err(InputError::new(message).help(help).into());
+            let help = "continue it, or choose another folder";
+            return Err(InputError::new(message).key("resume").help(help).into());
         }
         let path = folder.join(PLAN);
         if path.exists() && Self::plan(folder).is_err() {
             let message = format!("{} already exists and is not the plan of a sweep", path.display());
-            let help = "choose another folder with -o, or move that file away";
-            return Err(InputError::new(message).help(help).into());
+            let help = "choose another folder, or move that file away";
+            return Err(InputError::new(message).key("folder").help(help).into());
         }
         let begun = Begun { plan: plan.clone(), shard: [shard.index, shard.count] };
         let json = serde_json::to_string_pretty(&begun).map_err(|e| Error::file(&path, e))?;
@@ -98,8 +98,8 @@ impl Journal {
         let (begun, of) = Self::plan(folder)?;
         if begun != *plan || of != shard {
             let message = format!("the folder {} contains another sweep", folder.display());
-            let help = "resume with the files and the shard that it was started with, or choose another folder with -o";
-            return Err(InputError::new(message).key("--resume").help(help).into());
+            let help = "resume with the files and the shard that it was started with, or choose another folder";
+            return Err(InputError::new(message).key("resume").help(help).into());
         }
         let mut journal = Self::open(folder)?;
         let rows = journal.complete_rows()?;
@@ -112,9 +112,8 @@ impl Journal {
         let rows = opened.map_err(|e| Error::file(&path, e))?;
         if rows.try_lock().is_err() {
             let message = format!("another sweep is writing to {}", folder.display());
-            return Err(InputError::new(message)
-                .help("wait until it has ended, or choose another folder with -o")
-                .into());
+            let help = "wait until it has ended, or choose another folder";
+            return Err(InputError::new(message).key("folder").help(help).into());
         }
         Ok(Self { rows, path })
     }

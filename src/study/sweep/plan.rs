@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::axis::{Axis, Level};
+use crate::error::{InputError, Result};
 
 /// How axes are combined.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -56,7 +57,7 @@ impl Plan {
     }
 
     /// The values of a case, one an axis.
-    pub fn levels(&self, case: usize) -> Vec<&Level> {
+    pub(crate) fn levels(&self, case: usize) -> Vec<&Level> {
         if self.combine == Combine::Zip {
             return self.axes.iter().map(|axis| &axis.levels[case]).collect();
         }
@@ -93,8 +94,21 @@ impl Plan {
         cases
     }
 
-    /// What a case changes in the scene, as for `--set`.
-    pub fn overrides(&self, case: usize) -> Vec<String> {
+    /// What a case (from 0) changes in the scene, each `KEY=VALUE` as for [`crate::scene::Scene::read`].
+    ///
+    /// # Errors
+    /// A case that the sweep does not have.
+    pub fn overrides(&self, case: usize) -> Result<Vec<String>> {
+        let cases = self.cases();
+        if case < cases {
+            return Ok(self.changes(case));
+        }
+        let error = InputError::new(format!("there is no case {case}: the sweep has {cases}")).key("case");
+        Err(error.allowed(format!("0 <= case < {cases}")).help("cases are counted from 0").into())
+    }
+
+    /// The same of a case that it has.
+    pub(super) fn changes(&self, case: usize) -> Vec<String> {
         let axes = self.axes.iter().zip(self.levels(case));
         let mut all: Vec<String> = axes.map(|(axis, level)| format!("{}={}", axis.key, level.typed)).collect();
         if !self.fields.is_empty() {
@@ -132,7 +146,7 @@ mod tests {
         let mut plan = plan(Combine::Product);
         let text = |name: &str| Level { typed: name.into(), si: None };
         plan.axes[0].levels = vec![text("x"), text("y"), text("x"), text("z")];
-        let texts: Vec<String> = plan.cases_of_texts().into_iter().map(|k| plan.overrides(k)[0].clone()).collect();
+        let texts: Vec<String> = plan.cases_of_texts().into_iter().map(|k| plan.changes(k)[0].clone()).collect();
         assert_eq!(texts, ["a=x", "a=y", "a=z"]);
         plan.combine = Combine::Zip;
         assert_eq!(plan.cases_of_texts(), BTreeSet::from([0, 1]));
@@ -141,7 +155,7 @@ mod tests {
     #[test]
     fn the_last_axis_varies_fastest() {
         let overrides =
-            |combine| (0..plan(combine).cases()).map(|k| plan(combine).overrides(k).join(" ")).collect::<Vec<_>>();
+            |combine| (0..plan(combine).cases()).map(|k| plan(combine).changes(k).join(" ")).collect::<Vec<_>>();
         assert_eq!(overrides(Combine::Product), ["a=1 b.c=3", "a=1 b.c=4", "a=2 b.c=3", "a=2 b.c=4"]);
         assert_eq!(overrides(Combine::Zip), ["a=1 b.c=3", "a=2 b.c=4"]);
     }

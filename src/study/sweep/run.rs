@@ -55,11 +55,12 @@ pub fn run(
     on_row: &(dyn Fn(&Row) + Sync),
     stop: &AtomicBool,
 ) -> Result<Finished> {
+    shard.check()?;
     let plan = &sweep.plan;
     let tables = ["table.csv", "sweep.h5"].map(|name| folder.join(name));
     check_tables(&tables[0], &tables[1], false).map_err(|error| {
-        let help = error.help.replace("another name", "another folder with -o");
-        error.help(help)
+        let help = error.help.replace("another name", "another folder");
+        error.key("folder").help(help)
     })?;
     let (journal, before) = if resume && Journal::has_rows(folder) {
         Journal::resume(folder, plan, shard)?

@@ -2,7 +2,11 @@
 
 use std::str::FromStr;
 
-/// Part `index` (from 1) of `count`: every case whose number leaves index - 1 when divided by count.
+use crate::error::InputError;
+use crate::input::Checked;
+
+/// Part `index` (from 1) of `count`: every case whose number leaves index - 1 when divided by count. One with another index is refused by
+/// [`super::run`], and has no case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// From 1.
@@ -17,7 +21,16 @@ impl Shard {
 
     /// Whether a case (from 0) belongs to it.
     pub fn has(self, case: usize) -> bool {
-        case % self.count == self.index - 1
+        case.checked_rem(self.count).is_some_and(|rest| rest + 1 == self.index)
+    }
+
+    /// Its index is one of its count.
+    pub(super) fn check(self) -> Checked {
+        if (1..=self.count).contains(&self.index) {
+            return Ok(());
+        }
+        let error = InputError::new(format!("there is no shard {} of {}", self.index, self.count)).key("shard");
+        Err(error.allowed("1 <= index <= count").help(AS_TEXT))
     }
 
     /// The folder of its rows inside that of the sweep; none for all cases.
@@ -63,17 +76,20 @@ fn array_task(number: &dyn Fn(&str) -> Option<usize>) -> Result<Option<(usize, u
     Ok((count > 1).then_some(((id - first) / step, count, ID)))
 }
 
+/// How a shard is written.
+const AS_TEXT: &str = "write I/N with I from 1 to N, such as 2/4 for the second of four shards";
+
 impl FromStr for Shard {
-    type Err = String;
+    type Err = InputError;
 
     /// From "2/4".
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, InputError> {
         let parsed = text
             .split_once('/')
             .and_then(|(index, count)| Some((index.trim().parse().ok()?, count.trim().parse().ok()?)));
-        match parsed {
-            Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
-            _ => Err("write I/N with I from 1 to N, such as 2/4 for the second of four shards".into()),
+        match parsed.map(|(index, count)| Self { index, count }) {
+            Some(shard) if shard.check().is_ok() => Ok(shard),
+            _ => Err(InputError::new(AS_TEXT)),
         }
     }
 }
@@ -87,7 +103,7 @@ mod tests {
         for case in 0..20 {
             assert_eq!((1..=3).filter(|&index| Shard { index, count: 3 }.has(case)).count(), 1);
         }
-        assert_eq!("2/4".parse(), Ok(Shard { index: 2, count: 4 }));
+        assert_eq!("2/4".parse::<Shard>().expect("right"), Shard { index: 2, count: 4 });
         for wrong in ["0/4", "5/4", "2", "a/b", "1/0"] {
             assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
         }

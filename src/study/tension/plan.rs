@@ -168,8 +168,8 @@ fn rounded(value: f64) -> f64 {
 /// Increasing velocities of a list or range, m/s.
 fn positive(given: &Value) -> Result<Vec<f64>> {
     let wrong = |message: String| {
-        let help = "e.g. --velocities \"10 m/s, 50 m/s\", or --velocities \"5 m/s\" --to \"120 m/s\" --count 24";
-        Error::from(InputError::new(message).key("--velocities").allowed("velocities > 0").help(help))
+        let error = InputError::new(message).key("velocities").allowed("velocities > 0");
+        Error::from(error.help("give a list, or the first and the last one and their number"))
     };
     let axis = Axis::read("velocity", given).map_err(wrong)?;
     let value = |level: &Level| {

@@ -346,8 +346,7 @@ impl<'a> RunRecorder<'a> {
             (Some(path), Some(checkpoint)) => Output::File(Writer::resume(path, &layout, checkpoint)?),
             (Some(path), None) => Output::File(create_file(scene, path, &layout, critical)?),
             (None, _) if target.kept.is_some() => {
-                let names = layout.gauges.iter().map(|gauge| gauge.0.clone());
-                Output::Memory(Box::new(Kept::new(layout.x, layout.fields, names)))
+                Output::Memory(Box::new(Kept::new(layout.x, layout.fields, layout.gauges)))
             }
             (None, _) => Output::None,
         };

@@ -8,7 +8,8 @@ use crate::error::Result;
 use crate::record::store::{Side, Writer};
 use crate::record::{Field, Frame, LedgerRow, PathRow, Summary, Trace};
 
-/// What a run gives in memory: the contents of a result file as arrays.
+/// What a run gives in memory: the frames, histories and ledger of a result file as arrays. Arrivals of fronts (`/fronts`), their paths and the
+/// materials are in files alone, and so is what an interrupted run has done.
 #[derive(Debug)]
 pub struct Solution {
     /// Results of a run at its end.
@@ -21,7 +22,9 @@ pub struct Solution {
     pub fields: Vec<(Field, Array2<f64>)>,
     /// Histories at the gauges by their names, every step of a grid or every change by front tracking.
     pub gauges: BTreeMap<String, Trace>,
-    /// Likewise at the left and the right end.
+    /// Places of the gauges, m from the left end, in the order of the scene.
+    pub gauge_places: Vec<(String, f64)>,
+    /// Histories at the left and the right end, as those at gauges.
     pub ends: [Trace; 2],
     /// Energies and momentum, a row a frame.
     pub ledger: Vec<LedgerRow>,
@@ -47,15 +50,17 @@ pub(super) struct Kept {
     time: Vec<f64>,
     fields: Vec<Field>,
     rows: Vec<Vec<f64>>,
-    gauges: Vec<(String, Trace)>,
+    places: Vec<(String, f64)>,
+    gauges: Vec<Trace>,
     ends: [Trace; 2],
     ledger: Vec<LedgerRow>,
 }
 
 impl Kept {
-    pub fn new(x: Vec<f64>, fields: Vec<Field>, gauges: impl Iterator<Item = String>) -> Self {
-        let rows = vec![Vec::new(); fields.len()];
-        Self { x, fields, rows, gauges: gauges.map(|name| (name, Trace::default())).collect(), ..Self::default() }
+    /// With gauges of these names at these places.
+    pub fn new(x: Vec<f64>, fields: Vec<Field>, places: Vec<(String, f64)>) -> Self {
+        let (rows, gauges) = (vec![Vec::new(); fields.len()], vec![Trace::default(); places.len()]);
+        Self { x, fields, rows, places, gauges, ..Self::default() }
     }
 
     pub fn solution(self, summary: Summary) -> Solution {
@@ -66,7 +71,8 @@ impl Kept {
             fields: self.fields.into_iter().zip(self.rows.into_iter().map(field)).collect(),
             x: self.x.into(),
             time: self.time.into(),
-            gauges: self.gauges.into_iter().collect(),
+            gauges: self.places.iter().map(|(name, _)| name.clone()).zip(self.gauges).collect(),
+            gauge_places: self.places,
             ends: self.ends,
             ledger: self.ledger,
         }
@@ -107,7 +113,7 @@ impl Output {
             Self::None => Ok(()),
             Self::File(writer) => writer.gauge(index, trace),
             Self::Memory(kept) => {
-                append(&mut kept.gauges[index].1, trace);
+                append(&mut kept.gauges[index], trace);
                 Ok(())
             }
         }

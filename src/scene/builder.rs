@@ -12,27 +12,20 @@ use crate::error::{InputError, Result};
 pub struct SceneBuilder {
     table: Table,
     folder: PathBuf,
-    /// The first key that could not be set.
-    blocked: Option<String>,
+    /// The first key that could not be set, and why.
+    blocked: Option<(String, String)>,
 }
 
 impl SceneBuilder {
     /// Sets a key by its path in the scene file, such as `bar.length` or `left.kind`; the tables on the way are made. What was there is
-    /// replaced.
+    /// replaced. An item of a list that was set has its number, from 0, as for [`Scene::with`]: `bar.segment.0.length`.
     #[must_use]
     pub fn set(mut self, key: &str, value: impl Into<Value>) -> Self {
-        let mut parts: Vec<&str> = key.split('.').collect();
-        let last = parts.pop().unwrap_or_default();
-        let mut table = &mut self.table;
-        for part in parts {
-            let inner = table.entry(part).or_insert_with(|| Value::Table(Table::new()));
-            let Value::Table(inner) = inner else {
-                self.blocked.get_or_insert_with(|| key.to_owned());
-                return self;
-            };
-            table = inner;
+        let parts: Vec<&str> = key.split('.').map(str::trim).collect();
+        let [first, inside @ ..] = parts.as_slice() else { return self };
+        if let Err(why) = put(entry(&mut self.table, first), inside, value.into()) {
+            self.blocked.get_or_insert_with(|| (key.to_owned(), why));
         }
-        table.insert(last.to_owned(), value.into());
         self
     }
 
@@ -48,13 +41,35 @@ impl SceneBuilder {
     /// # Errors
     /// As for [`Scene::read`]; places are lines of the scene as it would stand in a file. A key inside of one that is no table.
     pub fn build(self) -> Result<Scene> {
-        if let Some(key) = self.blocked {
-            let message = format!("`{key}` lies inside a key that has a value of its own");
-            return Err(InputError::new(message).key(&key).help("set either the table or the keys in it").into());
+        if let Some((key, why)) = self.blocked {
+            return Err(InputError::new(why).key(key).help("set either a table or list, or the keys in it").into());
         }
         let text = toml::to_string(&self.table)
             .map_err(|e| InputError::new(format!("these keys do not form a scene: {e}")))?;
         Scene::parse("scene", &text, &self.folder, &[])
+    }
+}
+
+/// The value of a key; a table where there is none.
+fn entry<'a>(table: &'a mut Table, key: &str) -> &'a mut Value {
+    table.entry(key).or_insert_with(|| Value::Table(Table::new()))
+}
+
+/// Sets what lies at the parts of a key inside a value; the reason where there is no such place.
+fn put(at: &mut Value, parts: &[&str], value: Value) -> std::result::Result<(), String> {
+    let [part, inside @ ..] = parts else {
+        *at = value;
+        return Ok(());
+    };
+    match at {
+        Value::Table(table) => put(entry(table, part), inside, value),
+        Value::Array(list) => {
+            let count = list.len();
+            let item = part.parse().ok().and_then(|number: usize| list.get_mut(number));
+            let item = item.ok_or_else(|| format!("there is no item {part}: the list has {count}, counted from 0"))?;
+            put(item, inside, value)
+        }
+        _ => Err(format!("`{part}` lies inside a key that has a value of its own")),
     }
 }
 
@@ -85,5 +100,8 @@ mod tests {
         let message = |builder: SceneBuilder| builder.build().expect_err("wrong").to_string();
         assert!(message(pulled().set("bar.length", -1.0)).contains("bar.length"));
         assert!(message(pulled().set("left.kind.value", 1.0)).contains("lies inside a key"));
+        let listed = || pulled().set("record.times", vec![0.0, 1e-4]);
+        assert!(message(listed().set("record.times.2", 1e-4)).contains("the list has 2"));
+        assert_eq!(listed().set("record.times.0", 5e-5).build().expect("right").record.times, [5e-5, 1e-4]);
     }
 }

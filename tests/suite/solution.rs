@@ -18,6 +18,7 @@ fn pulled() -> SceneBuilder {
         .set("solve.until", "200 us")
         .set("record.frames", 11)
         .set("record.gauges.middle", 0.25)
+        .set("record.gauges.before", 0.1)
 }
 
 fn assert_same(scene: &Scene) {
@@ -33,6 +34,9 @@ fn assert_same(scene: &Scene) {
     for (field, values) in &solution.fields {
         assert_eq!(*values, file.field(*field, 0..solution.time.len()).expect("a field"), "{field:?}");
     }
+    let places: Vec<(String, f64)> =
+        file.gauges().expect("gauges").into_iter().map(|gauge| (gauge.name, gauge.x)).collect();
+    assert_eq!(solution.gauge_places, places);
     let gauge = &solution.gauges["middle"];
     assert!(gauge.time.len() > 10 && gauge.stress.len() == gauge.time.len());
     assert!(solution.ends.iter().all(|end| end.time.len() == end.stress.len() && !end.time.is_empty()));

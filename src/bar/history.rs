@@ -1,5 +1,7 @@
 //! A quantity given at points in time: linear between rows; a repeated time is a jump; the last value is held.
 
+use super::RowError;
+
 /// Change that counts as a rise, as part of the largest magnitude; and how many there may be: a noisy record has many.
 const STEEP: f64 = 0.1;
 const MOST_STEEP: usize = 8;
@@ -13,7 +15,7 @@ pub struct History {
 
 /// What can be wrong with a row of a history, or of a table over x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RowFault {
+pub(super) enum RowFault {
     /// There is no row.
     None,
     /// A number is not finite.
@@ -28,7 +30,7 @@ pub enum RowFault {
 
 impl RowFault {
     /// In words, after "row 3", for rows over time.
-    pub fn over_time(self) -> &'static str {
+    fn over_time(self) -> &'static str {
         match self {
             Self::None => "a history needs at least one row",
             Self::NotFinite => "is not finite",
@@ -39,7 +41,7 @@ impl RowFault {
     }
 
     /// Likewise for rows over x.
-    pub fn over_x(self) -> &'static str {
+    pub(super) fn over_x(self) -> &'static str {
         match self {
             Self::None => "a table over x needs at least one row",
             Self::NotFinite => "is not finite",
@@ -60,23 +62,28 @@ impl History {
     /// rows with one time (the first is the value before the jump, the second after it).
     ///
     /// # Errors
-    /// The index of the first row that breaks a rule, and which rule.
-    pub fn new(rows: &[(f64, f64)]) -> Result<Self, (usize, RowFault)> {
+    /// The first row that breaks a rule, and which rule.
+    pub fn new(rows: &[(f64, f64)]) -> Result<Self, RowError> {
+        Self::of_rows(rows).map_err(|(row, fault)| RowError { row, rule: fault.over_time() })
+    }
+
+    /// The same, with the fault of a row.
+    pub(super) fn of_rows(rows: &[(f64, f64)]) -> Result<Self, (Option<usize>, RowFault)> {
         if rows.is_empty() {
-            return Err((0, RowFault::None));
+            return Err((None, RowFault::None));
         }
         for (i, &(t, v)) in rows.iter().enumerate() {
             if !t.is_finite() || !v.is_finite() {
-                return Err((i, RowFault::NotFinite));
+                return Err((Some(i), RowFault::NotFinite));
             }
             if t < 0.0 {
-                return Err((i, RowFault::Negative));
+                return Err((Some(i), RowFault::Negative));
             }
             if i > 0 && t < rows[i - 1].0 {
-                return Err((i, RowFault::Falls));
+                return Err((Some(i), RowFault::Falls));
             }
             if i > 1 && t == rows[i - 2].0 {
-                return Err((i, RowFault::Third));
+                return Err((Some(i), RowFault::Third));
             }
         }
         Ok(Self { time: rows.iter().map(|r| r.0).collect(), value: rows.iter().map(|r| r.1).collect() })
@@ -408,9 +415,9 @@ mod tests {
 
     #[test]
     fn wrong_rows_are_refused_by_index() {
-        assert_eq!(History::new(&[]).expect_err("wrong").0, 0);
-        assert_eq!(History::new(&[(1.0, 0.0), (0.5, 0.0)]).expect_err("wrong").0, 1);
-        assert_eq!(History::new(&[(0.0, 0.0), (0.0, 1.0), (0.0, 2.0)]).expect_err("wrong").0, 2);
-        assert_eq!(History::new(&[(0.0, f64::NAN)]).expect_err("wrong").0, 0);
+        assert_eq!(History::new(&[]).expect_err("wrong").at(), 0);
+        assert_eq!(History::new(&[(1.0, 0.0), (0.5, 0.0)]).expect_err("wrong").at(), 1);
+        assert_eq!(History::new(&[(0.0, 0.0), (0.0, 1.0), (0.0, 2.0)]).expect_err("wrong").at(), 2);
+        assert_eq!(History::new(&[(0.0, f64::NAN)]).expect_err("wrong").at(), 0);
     }
 }

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{History, RowFault};
+use super::history::RowFault;
+use super::{History, RowError};
 use crate::law::Deformed;
 
 /// The state of a segment at t = 0. What held it is taken away then: where forces differ at joints and ends, waves start.
@@ -62,12 +63,16 @@ impl Distribution {
     /// From rows (x in m >= 0, value): at least one, finite, x never decreasing, at most two rows with one x.
     ///
     /// # Errors
-    /// The index of the first row that breaks a rule, and which rule.
-    pub fn new(rows: &[(f64, f64)]) -> Result<Self, (usize, RowFault)> {
+    /// The first row that breaks a rule, and which rule.
+    pub fn new(rows: &[(f64, f64)]) -> Result<Self, RowError> {
         let first = rows.first().filter(|row| row.0 > 0.0).map(|row| (0.0, row.1));
         let shift = usize::from(first.is_some());
         let all: Vec<(f64, f64)> = first.into_iter().chain(rows.iter().copied()).collect();
-        History::new(&all).map(Self).map_err(|(i, fault)| (i.saturating_sub(shift), fault))
+        let over_x = |(row, fault): (Option<usize>, RowFault)| RowError {
+            row: row.map(|row| row.saturating_sub(shift)),
+            rule: fault.over_x(),
+        };
+        History::of_rows(&all).map(Self).map_err(over_x)
     }
 
     /// The rows.
@@ -226,8 +231,9 @@ mod tests {
         assert_eq!([0.0, 0.5, 1.5, 2.0, 9.0].map(|x| table.at(x)), [2.0, 2.0, 3.0, 1.0, 1.0]);
         assert_eq!([2.0, 3.0, 0.0].map(|x| table.before(x)), [4.0, 1.0, 2.0]);
         assert_eq!((table.mean(0.0, 2.0), table.mean(1.0, 4.0)), (2.5, 5.0 / 3.0));
-        assert_eq!(Distribution::new(&[(1.0, 0.0), (0.5, 0.0)]), Err((1, RowFault::Falls)));
-        assert_eq!(Distribution::new(&[]).expect_err("wrong").0, 0);
+        let said = |rows: &[(f64, f64)]| Distribution::new(rows).expect_err("wrong").to_string();
+        assert_eq!(said(&[(1.0, 0.0), (0.5, 0.0)]), "row 2 has a smaller x than the row before it");
+        assert_eq!(said(&[]), "a table over x needs at least one row");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use super::Distribution;
+use super::{Distribution, RowError};
 
 /// What the rows of a taper give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -28,27 +28,25 @@ impl Taper {
     /// From rows (x in m, size in m^2 or m): at least two, x increasing from 0, sizes > 0, all finite.
     ///
     /// # Errors
-    /// The index of the first row that breaks a rule, and which rule.
-    pub fn new(profile: Profile, rows: &[(f64, f64)]) -> Result<Self, (usize, &'static str)> {
+    /// The first row that breaks a rule, and which rule.
+    pub fn new(profile: Profile, rows: &[(f64, f64)]) -> Result<Self, RowError> {
         for (i, &(x, size)) in rows.iter().enumerate() {
             if !x.is_finite() || !size.is_finite() {
-                return Err((i, "is not finite"));
+                return Err(RowError::of(i, "is not finite"));
             }
             if size <= 0.0 {
-                return Err((i, "is not positive"));
+                return Err(RowError::of(i, "is not positive"));
             }
             if i == 0 && x != 0.0 {
-                return Err((0, "is not at the left end of the segment, x = 0"));
+                return Err(RowError::of(0, "is not at the left end of the segment, x = 0"));
             }
             if i > 0 && x <= rows[i - 1].0 {
-                return Err((i, "does not have a larger x than the row before it"));
+                return Err(RowError::of(i, "does not have a larger x than the row before it"));
             }
         }
         if rows.len() < 2 {
-            return Err((
-                rows.len().saturating_sub(1),
-                "is the only row: a taper needs a row at each end of the segment",
-            ));
+            let rule = "is the only row: a taper needs a row at each end of the segment";
+            return Err(RowError::of(rows.len().saturating_sub(1), rule));
         }
         Ok(Self { profile, x: rows.iter().map(|r| r.0).collect(), size: rows.iter().map(|r| r.1).collect() })
     }
@@ -166,7 +164,7 @@ mod tests {
 
     #[test]
     fn wrong_rows_are_refused_by_index() {
-        let wrong = |rows: &[(f64, f64)]| Taper::new(Profile::Area, rows).expect_err("wrong").0;
+        let wrong = |rows: &[(f64, f64)]| Taper::new(Profile::Area, rows).expect_err("wrong").at();
         assert_eq!(wrong(&[]), 0);
         assert_eq!(wrong(&[(0.0, 1.0)]), 0);
         assert_eq!(wrong(&[(0.1, 1.0), (1.0, 1.0)]), 0);

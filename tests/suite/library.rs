@@ -3,15 +3,22 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use barwave::bar::History;
 use barwave::error::{Error, InputError, Result};
 use barwave::impact::{
     self, Beam, Blow, Elastic, Face, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
 };
-use barwave::material::{Beyond, Curve};
+use barwave::material::{
+    Beyond, Curve, Law, Material, Measure, Sense, Tabulate, library, tabulate_law, tabulate_true_rows,
+};
 use barwave::record::store::{ResultFile, StoredScene};
-use barwave::record::{Field, Summary};
+use barwave::record::{Field, Measure as Measured, Summary};
+use barwave::report::{self, Figure, PanelName};
 use barwave::run;
 use barwave::scene::{ImpactScene, Problem, Scene, SceneBuilder};
+use barwave::study::bracket::{RateAndHeat, apparent};
+use barwave::study::cost::{Hooks, Whole, cost};
+use barwave::study::sweep::{self, Shard, Sweep};
 use hdf5::types::VarLenUnicode;
 
 fn pulled() -> SceneBuilder {
@@ -143,6 +150,151 @@ fn impacts_out_of_range_are_errors_that_name_the_member() {
     }
     let buckled = Foundation { axial: 1e9, ..Foundation::default() };
     assert_names(&Beam { foundation: buckled, ..beam.clone() }, "foundation.axial");
+    let allowed = |problem: &dyn impact::Problem| solved(problem).expect_err("out of range").allowed;
+    assert!(allowed(&Beam { foundation: buckled, ..beam.clone() }).starts_with("axial < "));
+    let masses = [1.0, 0.0];
+    assert_eq!(allowed(&Spheres::Pendulum { masses, after: 1.0 }), "masses > 0");
+    // Of magnitudes that no length has, the buckling load would be no number.
+    for length in [1e300, 1e-300] {
+        assert_names(&Beam { length, ..beam.clone() }, "length");
+    }
+    // Half of the area at each face: 2.5e-9 m^4.
+    for inertia in [2.6e-9, 1e-7] {
+        assert_names(&Beam { section: Section { inertia, ..beam.section }, ..beam.clone() }, "section.inertia");
+    }
+    assert!(solved(&Beam { section: Section { inertia: 2.5e-9, ..beam.section }, ..beam.clone() }).is_ok());
+}
+
+fn copper() -> Material {
+    library::find("copper-annealed", Path::new("")).expect("a material")
+}
+
+fn refused<T>(ended: Result<T>) -> InputError {
+    match ended {
+        Err(Error::Input(error)) if !error.help.is_empty() && !error.help.contains("--") => error,
+        Err(error) => panic!("{error:?}"),
+        Ok(_) => panic!("accepted"),
+    }
+}
+
+#[test]
+fn an_apparent_critical_velocity_needs_the_constants_of_its_effects() {
+    for (with, key, message) in [
+        (RateAndHeat { rate: true, heat: false }, "rate", "`copper-annealed`: the material has no rate constants"),
+        (RateAndHeat { rate: false, heat: true }, "heat", "`copper-annealed`: the material lacks constants of [heat]"),
+    ] {
+        let error = refused(apparent(&copper(), Sense::Tension, with, 0.2));
+        assert!(error.key == key && error.message.starts_with(message), "{error:?}");
+    }
+    for length in [f64::NAN, 0.0, -1.0, f64::INFINITY, 1e-4] {
+        let error = refused(apparent(&copper(), Sense::Tension, RateAndHeat::default(), length));
+        assert_eq!((error.key.as_str(), error.allowed.as_str()), ("length", "0.001 <= length <= 1000 m"));
+    }
+}
+
+#[test]
+fn only_a_part_of_the_plastic_work_turns_into_heat() {
+    let steel = library::find("steel-4340-jc", Path::new("")).expect("a material");
+    assert!(steel.heated(Some(0.0)).is_ok() && steel.heated(Some(1.0)).is_ok());
+    for fraction in [f64::NAN, f64::INFINITY, -0.1, 1.1] {
+        let error = refused(steel.heated(Some(fraction)).map_err(Error::from));
+        assert_eq!((error.key.as_str(), error.allowed.as_str()), ("fraction", "0 <= fraction <= 1"));
+    }
+    let boxed = || -> std::result::Result<Material, Box<dyn std::error::Error>> { Ok(copper().heated(None)?) };
+    assert!(boxed().expect_err("it has no constants").to_string().contains("specific-heat"));
+}
+
+#[test]
+fn tables_of_laws_and_true_stresses_end_within_a_tolerance() {
+    let law = Law::Ludwik { yield_stress: 200e6, k: 300e6, n: 0.5 };
+    let rows = [(0.001, 200e6), (0.2, 500e6)];
+    let of_law = |tolerance: f64| {
+        let how = Tabulate { tolerance, to_strain: None };
+        tabulate_law(&law, 200e9, Measure::True, Sense::Tension, how)
+    };
+    let of_rows = |tolerance: f64| tabulate_true_rows(&rows, Some(200e9), Sense::Tension, tolerance);
+    assert!(of_law(0.1).is_ok() && of_rows(1e-4).is_ok());
+    for tolerance in [0.0, -1e-3, f64::NAN, f64::INFINITY, 0.2, 1e-9] {
+        for ended in [of_law(tolerance), of_rows(tolerance)] {
+            assert_eq!(refused(ended.map_err(Error::from)).key, "tolerance");
+        }
+    }
+}
+
+#[test]
+fn a_study_of_cost_needs_a_budget() {
+    let scene = pulled().build().expect("a right scene");
+    for budget in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
+        let mut hooks = Hooks {
+            budget,
+            measure: Measured::Field,
+            whole: &mut |_, _| Whole::Failed("not asked for".into()),
+            progress: &mut |_, _| ControlFlow::Break(()),
+        };
+        assert_eq!(refused(cost(&scene, &mut hooks)).key, "budget");
+    }
+}
+
+#[test]
+fn a_sweep_has_no_other_cases_than_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "[bar]\nlength = 0.1\nmaterial = 'mild-steel'\n[left]\nkind = 'velocity'\nvalue = -1\n[right]\nkind = 'free'\n\
+                 [solve]\nuntil = 1e-5\n";
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("a file");
+    let file = "[sweep]\nscene = 'scene.toml'\n[axes]\n'left.value' = [-1, -2, -3]\n";
+    std::fs::write(folder.path().join("sweep.toml"), file).expect("a file");
+    let sweep = Sweep::read(&folder.path().join("sweep.toml")).expect("a sweep");
+    assert_eq!(sweep.plan.overrides(2).expect("the last case"), ["left.value=-3"]);
+    for error in [refused(sweep.plan.overrides(3)), refused(sweep.problem(99).map(|_| ()))] {
+        assert_eq!((error.key.as_str(), error.allowed.as_str()), ("case", "0 <= case < 3"));
+    }
+    let stop = std::sync::atomic::AtomicBool::new(false);
+    for (index, count) in [(0, 0), (1, 0), (0, 2), (3, 2)] {
+        let shard = Shard { index, count };
+        assert!(!(0..6).any(|case| shard.has(case)), "{shard:?}");
+        let out = folder.path().join("out");
+        let error = refused(sweep::run(&sweep, &out, shard, false, &|_| {}, &stop));
+        assert!(error.key == "shard" && !out.exists(), "{error:?}");
+    }
+}
+
+#[test]
+fn figures_have_a_size_that_memory_can_hold() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("out.h5");
+    run_to(&pulled().build().expect("a right scene"), &path).expect("it runs");
+    let file = ResultFile::open(&path).expect("a result");
+    let figure = |size: [f64; 2]| Figure { size: Some(size), ..Figure::default() };
+    assert!(report::draw(&file, &figure([10_000.0, 10_000.0])).is_ok());
+    for size in [[1e9, 1e9], [800.0, 10_001.0], [f64::NAN, 600.0], [800.0, 0.0], [5.0, 5.0]] {
+        let figure = figure(size);
+        assert_eq!(refused(report::draw(&file, &figure)).key, "size");
+        if size != [5.0, 5.0] {
+            assert_eq!(refused(report::page(&file, &figure)).key, "size");
+        }
+    }
+    let of_panel = Figure { panels: vec![PanelName::Gauges], ..Figure::default() };
+    assert_eq!(refused(report::draw(&file, &of_panel)).key, "panels");
+    assert_eq!(refused(report::plot::Format::of(Path::new("figure.bmp"))).key, "path");
+}
+
+#[test]
+fn items_of_lists_are_set_by_their_numbers() {
+    let segment = |length: f64| {
+        let mut segment = toml::Table::from_iter([("length".to_owned(), toml::Value::from(length))]);
+        segment.insert("material".to_owned(), "copper-annealed".into());
+        segment
+    };
+    let of_two = Scene::builder()
+        .set("bar.segment", vec![segment(0.2), segment(0.3)])
+        .set("bar.segment.1.length", "400 mm")
+        .set("left.kind", "free")
+        .set("right.kind", "free")
+        .set("solve.until", 1e-4);
+    let scene = of_two.clone().build().expect("a right scene");
+    assert_eq!(scene.bar.segments.iter().map(|segment| segment.length).collect::<Vec<_>>(), [0.2, 0.4]);
+    let error = refused(of_two.set("bar.segment.2.length", 0.1).build());
+    assert!(error.key == "bar.segment.2.length" && error.message.contains("the list has 2"), "{error:?}");
 }
 
 #[test]
@@ -163,6 +315,8 @@ fn errors_of_a_main_function_read_as_those_of_the_command_line() {
         assert!(shown.contains(part), "no `{part}` in {shown}");
     }
     assert!(!error.to_string().contains('\n'));
+    let history = || -> Result<History> { Ok(History::new(&[(0.0, 1.0), (1e-3, f64::NAN)])?) };
+    assert_eq!(history().expect_err("no number").to_string(), "row 2 is not finite");
     let curve = || -> Result<Curve> { Ok(Curve::new(&[(0.0, 0.0), (0.2, 5e8), (0.1, 6e8)], Beyond::Extend)?) };
     assert!(curve().expect_err("strains that fall").text().starts_with("row 3: "));
 }

@@ -159,5 +159,5 @@ fn table(rows: &[(f64, f64)], length: f64, allowed: Allowed) -> MadeOfRows<Distr
         return Err((i, "has a value out of range"));
     }
     let rows: Vec<(f64, f64)> = rows.iter().map(|&(x, value)| (x.min(length), value)).collect();
-    Distribution::new(&rows).map_err(|(i, fault)| (i, fault.over_x()))
+    Distribution::new(&rows).map_err(|error| (error.at(), error.rule))
 }

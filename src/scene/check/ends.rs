@@ -141,11 +141,10 @@ impl Checker<'_> {
         if let Some(rows) = keys.history {
             let key = format!("{key}.history");
             let pairs = rows.get_ref().pairs(self.document, self.torsion, &key, ["time", "value"])?;
-            return History::new(&pairs).map_err(|(i, fault)| {
-                let why = fault.over_time();
-                let span = rows.get_ref().place(i).unwrap_or_else(|| rows.span());
-                let what = if pairs.is_empty() { why.to_owned() } else { format!("row {} {why}", i + 1) };
-                self.error(span, &format!("{key}.{i}"), what).allowed(ROWS).help(ROWS_HELP).into()
+            return History::new(&pairs).map_err(|error| {
+                let row = error.at();
+                let span = rows.get_ref().place(row).unwrap_or_else(|| rows.span());
+                self.error(span, &format!("{key}.{row}"), error.to_string()).allowed(ROWS).help(ROWS_HELP).into()
             });
         }
         if let Some(file) = keys.csv {

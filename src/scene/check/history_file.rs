@@ -26,7 +26,7 @@ impl Checker<'_> {
     pub(super) fn history_file<D: Measure>(&self, file: &Placed<HistoryFile<D>>, key: &str) -> Result<History> {
         match file.get_ref() {
             HistoryFile::TwoColumns(path) => {
-                let history = |rows: &[(f64, f64)]| History::new(rows).map_err(|(i, fault)| (i, fault.over_time()));
+                let history = |rows: &[(f64, f64)]| History::new(rows).map_err(|error| (error.at(), error.rule));
                 self.csv_rows((path, file.span(), key), &TIME, self.dimension::<D>(), history, [ROWS, ROWS_HELP])
             }
             HistoryFile::Record(record) => self.history_record(record, key),
@@ -61,9 +61,9 @@ impl Checker<'_> {
             });
         }
         let (first, rows) = self.after_start(record, &document, &table, &rows)?;
-        History::new(&rows).map_err(|(i, fault)| {
-            let span = table.rows.get(first + i).map_or(0..0, |row| row.span.clone());
-            let what = format!("this row {}", fault.over_time());
+        History::new(&rows).map_err(|error| {
+            let span = table.rows.get(first + error.at()).map_or(0..0, |row| row.span.clone());
+            let what = format!("this row {}", error.rule);
             document.error(span, "time", what).allowed(ROWS).help(ROWS_HELP).into()
         })
     }

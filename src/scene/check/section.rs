@@ -76,9 +76,10 @@ impl Checker<'_> {
             }
             last.0 = length;
         }
-        let taper = Taper::new(profile, &pairs).map_err(|(i, why)| {
+        let taper = Taper::new(profile, &pairs).map_err(|error| {
             let help = "sort the rows by x; for a step in the section use two segments";
-            self.error(place(i), &format!("{key}.{i}"), format!("row {} {why}", i + 1)).allowed(ROWS).help(help)
+            let row = error.at();
+            self.error(place(row), &format!("{key}.{row}"), error.to_string()).allowed(ROWS).help(help)
         })?;
         // A table that changes nothing is no taper, and the bar is the uniform one to the last bit.
         let uniform = taper.is_uniform();

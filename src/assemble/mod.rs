@@ -63,6 +63,15 @@ pub fn grid(scene: &Scene, cells: usize, cfl: f64) -> Grid {
     grid.in_whole_steps(&scene.bar, MOST_SHIFT / grid.steps_to(scene.solve.until) as f64)
 }
 
+/// The grid of a scene by its method, which has one. Tapers have to be in pieces where the method asks for it.
+pub fn grid_by_method(scene: &Scene) -> Option<Grid> {
+    match scene.solve.method {
+        Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => Some(grid(scene, cells, cfl)),
+        Method::CharacteristicNet { cells } => Some(net::grid(&scene.bar, cells)),
+        Method::FrontTracking { .. } => None,
+    }
+}
+
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = grid(scene, cells, cfl);

@@ -1,5 +1,5 @@
-//! How far a run on a grid may be off: from runs of the same bar with a half, a quarter and an eighth of the cells. They take a third
-//! of the run's stepping time.
+//! How far a run on a grid may be off: from runs of the same bar with about a half, a quarter and an eighth of the cells. They take a third
+//! of the run's stepping time, or somewhat more where the lengths of several segments leave no choice of the cells.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,7 @@ use crate::record::{self, ErrorFigure, ErrorTable, Stepped};
 use crate::scene::{Method, Scene};
 use crate::snapshot::Snapshot;
 use crate::solver::moc::Settings;
+use std::f64::consts::SQRT_2;
 use std::ops::ControlFlow;
 
 /// Steps of the fine grid per step with an eighth of the cells: runs are compared after multiples of this number.
@@ -23,6 +24,10 @@ const COMMON: usize = 8;
 const LEAST_CELLS: usize = 8;
 /// Cells from which on an eighth of them is run too.
 const LEAST_TO_CONFIRM: usize = 32;
+/// Fewest cells that are asked of a companion.
+const FEWEST_CELLS: usize = 2;
+/// Least ratio of the cells of two runs that are compared: what is left of an error is four times the difference there.
+const LEAST_RATIO: f64 = SQRT_2;
 
 /// Work between two calls of the progress function, cell-steps.
 const WORK_BETWEEN_CALLS: u64 = 4_000_000;
@@ -109,6 +114,31 @@ impl assemble::Task for Task<'_> {
     }
 }
 
+/// A method of a run on a grid and of its companions, the finest first, and the cells that they come to. The cells asked of a companion are a half
+/// of those asked of the one before; where segments need other numbers of cells, two of them can come to nearly the same grid, or to the very
+/// same, which then is left out.
+pub(super) fn with_companions(scene: &Scene, method: Method) -> Vec<(Method, usize)> {
+    let asked = method.cells().unwrap_or(0);
+    let most = if asked < LEAST_TO_CONFIRM { 3 } else { 4 };
+    let mut grids = vec![(method, cells(scene, method))];
+    let halves = std::iter::successors(Some(asked / 2), |cells| Some(cells / 2));
+    for asked in halves.take_while(|&asked| asked >= FEWEST_CELLS) {
+        let (coarser, finest_yet) = (method.with_cells(asked), grids[grids.len() - 1].1);
+        let cells = cells(scene, coarser);
+        if grids.len() < most && finest_yet as f64 >= LEAST_RATIO * cells as f64 {
+            grids.push((coarser, cells));
+        }
+    }
+    grids
+}
+
+/// The cells of a scene's grid by a method.
+fn cells(scene: &Scene, method: Method) -> usize {
+    let scene = scene.by(method);
+    let cut = scene.in_pieces();
+    assemble::grid_by_method(cut.as_ref().unwrap_or(&scene)).map_or(0, |grid| grid.cells())
+}
+
 /// Which orders can be expected of runs by a method, the finest of which stayed elastic or not.
 pub(super) fn rules(scene: &Scene, method: Method, elastic: bool) -> Rules {
     match scene.effects.rate {
@@ -129,21 +159,26 @@ pub(super) fn error_figure(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<ErrorFigure>> {
     let method = scene.solve.method;
-    let Some(cells) = method.cells().filter(|&cells| cells >= LEAST_CELLS) else { return Ok(None) };
-    let parts: &[usize] = if cells < LEAST_TO_CONFIRM { &[2, 4] } else { &[2, 4, 8] };
-    let instants = fine.instants();
-    let mut coarser = Vec::new();
-    for part in parts {
-        let run = coarse(scene, method.with_cells(cells / part), &instants, progress);
-        coarser.push(run.ok_or(Error::Interrupted)?);
+    if method.cells().is_none_or(|cells| cells < LEAST_CELLS) {
+        return Ok(None);
     }
-    let all: Vec<&Response> = std::iter::once(fine).chain(coarser.iter().map(|run| &run.response)).collect();
+    let instants = fine.instants();
+    let grids = with_companions(scene, method);
+    let mut coarser = Vec::new();
+    for &(method, _) in &grids[1..] {
+        coarser.push(coarse(scene, method, &instants, progress).ok_or(Error::Interrupted)?);
+    }
+    if coarser.is_empty() {
+        return Ok(None);
+    }
+    let others = coarser.iter().map(|run| (run.cells, &run.response));
+    let all: Vec<(usize, &Response)> = std::iter::once((grids[0].1, fine)).chain(others).collect();
     let (table, found) = extrapolate(rules(scene, method, elastic), &all);
     let (how, safety) = if found.seen { ("seen between them", SAFETY) } else { ("of fronts", SAFETY_OF_FRONTS) };
     let cells: Vec<String> = coarser.iter().map(|run| run.cells.to_string()).collect();
     let cells = match &cells[..] {
-        [others @ .., last] => format!("{} and {last}", others.join(", ")),
-        [] => String::new(),
+        [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),
+        cells => cells.concat(),
     };
     let fading = if fine.peaks.iter().any(|peak| peak.has_no_limit) { NO_LIMIT } else { "" };
     let reference = format!(

@@ -74,8 +74,8 @@ pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
 pub(super) struct Candidate {
     pub method: Method,
     pub pilots: Vec<Pilot>,
-    /// Runs on grids, by cells.
-    pub runs: Vec<(usize, Coarse)>,
+    /// Runs on grids.
+    pub runs: Vec<Coarse>,
     /// It stopped, with the reason.
     pub out: Option<String>,
     /// Its next pilot was given up after so much work: it is not worth as much, unless the others turn out to cost more.
@@ -88,6 +88,8 @@ pub(super) struct Candidate {
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Pilot {
     pub method: Method,
+    /// Those of its grid, which can be others than were asked for; 0 where there is none.
+    pub cells: usize,
     pub estimate: f64,
     /// Where it is off most.
     pub worst: Option<Worst>,
@@ -109,13 +111,15 @@ impl Candidate {
 
     /// What comes after the last pilot.
     pub fn next(&self) -> Method {
-        match (self.pilots.last().map(|p| p.method), self.method) {
+        match (self.pilots.last(), self.method) {
             (None, Method::FrontTracking { .. }) => self.method.with_front_tolerance(FIRST_TOLERANCE),
             (None, _) => self.method.with_cells(FIRST_CELLS),
-            (Some(last @ Method::FrontTracking { front_tolerance, .. }), _) => {
-                last.with_front_tolerance(front_tolerance / COMPANION_RATIO)
-            }
-            (Some(last), _) => last.with_cells(2 * last.cells().unwrap_or(FIRST_CELLS)),
+            (Some(last), _) => match last.method {
+                Method::FrontTracking { front_tolerance, .. } => {
+                    last.method.with_front_tolerance(front_tolerance / COMPANION_RATIO)
+                }
+                grid => grid.with_cells(2 * last.cells),
+            },
         }
     }
 
@@ -169,21 +173,17 @@ impl Candidate {
                 && before.estimate > tolerance
                 && pilot.estimate > STUCK.0 * before.estimate
         };
-        let cells = |pilot: &Pilot| pilot.method.cells().unwrap_or(0);
         if let Some(before) = self.pilots.iter().find(stuck) {
             self.out = Some(format!(
                 "its error hardly falls with more cells ({:.1e} with {}, {:.1e} with {})",
-                before.estimate,
-                cells(before),
-                pilot.estimate,
-                cells(&pilot)
+                before.estimate, before.cells, pilot.estimate, pilot.cells
             ));
         }
     }
 
     /// The method so many times finer than its last pilot.
     pub fn finer(&self, by: f64) -> Method {
-        let last = self.pilots.last().map_or(self.method, |p| p.method);
+        let last = self.pilots.last().map_or(self.method, |p| p.method.with_cells(p.cells));
         refined(last, by)
     }
 }
@@ -195,7 +195,7 @@ fn refinement(before: &Pilot, last: &Pilot) -> f64 {
             Method::FrontTracking { front_tolerance: before, .. },
             Method::FrontTracking { front_tolerance: last, .. },
         ) => before / last,
-        (before, last) => last.cells().unwrap_or(1) as f64 / before.cells().unwrap_or(1) as f64,
+        _ => last.cells as f64 / before.cells as f64,
     }
 }
 
@@ -216,7 +216,8 @@ mod tests {
         let mut candidate = Candidate::new(method);
         for &(estimate, work) in pilots {
             let method = candidate.next();
-            candidate.pilots.push(Pilot { method, estimate, worst: None, order: 1.0, work });
+            let cells = method.cells().unwrap_or(0);
+            candidate.pilots.push(Pilot { method, cells, estimate, worst: None, order: 1.0, work });
         }
         candidate
     }
@@ -253,7 +254,8 @@ mod tests {
             let mut candidate = Candidate::new(method);
             for &estimate in estimates {
                 let method = candidate.next();
-                candidate.add(Pilot { method, estimate, worst: None, order: 1.0, work: 1 }, 1e-2);
+                let cells = method.cells().unwrap_or(0);
+                candidate.add(Pilot { method, cells, estimate, worst: None, order: 1.0, work: 1 }, 1e-2);
             }
             candidate.out
         };

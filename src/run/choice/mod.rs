@@ -105,7 +105,7 @@ impl Attempt {
         let order = candidates[winner].pilots.last().map_or(1.0, |p| p.order);
         // Without an estimate the bar came to an end of its own, such as a rupture that no companion follows.
         let worst = summary.errors.and_then(|table| table.worst());
-        let done = Pilot { method, estimate: estimate.unwrap_or(f64::NAN), worst, order, work };
+        let done = Pilot { method, cells: summary.cells, estimate: estimate.unwrap_or(f64::NAN), worst, order, work };
         let missed = done.estimate > tolerance;
         let stands = estimate.is_none() || !missed && confirmed(scene, candidates, winner, done, progress)?;
         if stands {
@@ -211,7 +211,7 @@ fn confirmed(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<bool> {
     let tracking = candidates.iter().position(|r| r.method.tracks_fronts()).filter(|&k| k != winner);
-    let yields = candidates[winner].runs.last().is_some_and(|(_, run)| !run.elastic);
+    let yields = candidates[winner].runs.last().is_some_and(|run| !run.elastic);
     let Some(tracking) = tracking.filter(|_| yields) else { return Ok(true) };
     let why = contradiction(scene, run, &mut candidates[tracking], progress)?;
     candidates[winner].out = why;

@@ -17,7 +17,7 @@ use std::ops::ControlFlow;
 /// Front tracking tells something of a grid where its estimate is no more than this part of that one's.
 const TELLING: f64 = 0.3;
 
-/// The next pilot of a grid: profiles of the cells, half and a quarter of them, those before from earlier pilots.
+/// The next pilot of a grid and its companions, those before from earlier pilots.
 pub(super) fn grid_pilot(
     scene: &Scene,
     candidate: &mut Candidate,
@@ -31,19 +31,22 @@ pub(super) fn grid_pilot(
         return Ok(());
     }
     let instants = instants(scene);
-    for cells in [cells / 8, cells / 4, cells / 2, cells] {
-        if candidate.runs.iter().all(|(known, _)| *known != cells) {
-            let run = accuracy::coarse(scene, method.with_cells(cells), &instants, progress);
-            candidate.runs.push((cells, run.ok_or(Error::Interrupted)?));
+    let grids = accuracy::with_companions(scene, method);
+    for &(method, cells) in grids.iter().rev() {
+        if candidate.runs.iter().all(|known| known.cells != cells) {
+            let run = accuracy::coarse(scene, method, &instants, progress);
+            candidate.runs.push(run.ok_or(Error::Interrupted)?);
         }
     }
-    let with = |cells: usize| candidate.runs.iter().find(move |p| p.0 == cells).map(|p| &p.1);
-    let all: Vec<&Coarse> = [cells, cells / 2, cells / 4, cells / 8].into_iter().filter_map(with).collect();
-    let responses: Vec<&Response> = all.iter().map(|run| &run.response).collect();
+    let with = |&(_, cells): &(Method, usize)| candidate.runs.iter().find(|run| run.cells == cells);
+    let all: Vec<&Coarse> = grids.iter().filter_map(with).collect();
+    let responses: Vec<(usize, &Response)> = all.iter().map(|run| (run.cells, &run.response)).collect();
     let (elastic, work) = all.first().map_or((true, 0), |finest| (finest.elastic, finest.work));
     let (table, found) = extrapolate(accuracy::rules(scene, method, elastic), &responses);
-    let worst = table.worst();
-    candidate.add(Pilot { method, estimate: found.value, worst, order: found.hope, work }, tolerance);
+    // One run alone tells nothing of its error.
+    let (estimate, worst) = if all.len() > 1 { (found.value, table.worst()) } else { (f64::INFINITY, None) };
+    let cells = grids[0].1;
+    candidate.add(Pilot { method, cells, estimate, worst, order: found.hope, work }, tolerance);
     Ok(())
 }
 
@@ -105,7 +108,7 @@ pub(super) fn front_pilot(
     let order = before.map_or(FRONT_ORDER, |before| {
         ((before / estimate).ln() / COMPANION_RATIO.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
     });
-    candidate.pilots.push(Pilot { method, estimate, worst, order, work: bar.events() });
+    candidate.pilots.push(Pilot { method, cells: 0, estimate, worst, order, work: bar.events() });
     Ok(())
 }
 

@@ -15,8 +15,8 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::inputs;
-use crate::record::Summary;
 use crate::record::store::{self, StoredScene};
+use crate::record::{Summary, Tried};
 use crate::run::{self, Progress};
 use crate::scene::{ImpactScene, Problem};
 use crate::text_file;
@@ -174,14 +174,18 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
     let stop = interrupt::flag();
     let bar = progress_bar(args.quiet || args.json);
     let before = if args.resume.is_some() { None } else { made_at(path) };
+    let mut tried = None;
     let summary = simulate(&mut |at: Progress| {
+        if let Progress::Tried { tried: now, tolerance } = &at {
+            tried = Some(tried_text(now, *tolerance));
+        }
         show_progress(&bar, &at, (!args.quiet && !args.json).then_some(args.units));
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     bar.finish_and_clear();
     let shown = path.display();
     let summary = summary.inspect_err(|error| match error {
-        Error::Interrupted => output::remark(&interrupted(args, path, made_at(path) != before)),
+        Error::Interrupted => output::remark(&interrupted(args, path, made_at(path) != before, tried.as_deref())),
         Error::Run(_) if made_at(path) != before => {
             output::remark(&std::format!("the frames up to the error are in {shown}\n"));
         }
@@ -206,12 +210,12 @@ fn made_at(path: &Path) -> Option<SystemTime> {
     metadata.created().or_else(|_| metadata.modified()).ok()
 }
 
-/// What an interrupted run leaves, if it `began`, and how it is resumed.
-fn interrupted(args: &Args, path: &Path, began: bool) -> String {
-    let left = if began {
-        std::format!("interrupted: the frames so far are in {}\n", path.display())
-    } else {
-        "interrupted before the run began\n".to_owned()
+/// What an interrupted run leaves, if it `began`, and how it is resumed; `tried` is the last run to select its method.
+fn interrupted(args: &Args, path: &Path, began: bool, tried: Option<&str>) -> String {
+    let left = match tried {
+        _ if began => std::format!("interrupted: the frames so far are in {}\n", path.display()),
+        Some(tried) => std::format!("interrupted while the method for `tolerance` was selected, after {tried}\n"),
+        None => "interrupted before the run began\n".to_owned(),
     };
     if args.checkpoint.is_none() && args.resume.is_none() {
         return left;
@@ -335,6 +339,20 @@ fn progress_bar(silent: bool) -> ProgressBar {
     bar
 }
 
+/// Time after which a search for a method is said to be under way, s.
+const LONG_SEARCH: f64 = 1.0;
+
+/// A run to select the method: "leapfrog with 256 cells (estimated error 3.1e-2, tolerance 1e-3)".
+fn tried_text(tried: &Tried, tolerance: f64) -> String {
+    let by = &tried.by;
+    let resolution = match by.front_tolerance {
+        Some(front_tolerance) => std::format!("front tolerance {front_tolerance:.1e}"),
+        None => std::format!("{} cells", by.cells.unwrap_or(0)),
+    };
+    let estimate = tried.estimate.map_or_else(|| "unknown".to_owned(), |estimate| std::format!("{estimate:.1e}"));
+    std::format!("{} with {resolution} (estimated error {estimate}, tolerance {tolerance:e})", by.scheme)
+}
+
 /// Choices are written in units of a system; none where the run is to be quiet.
 fn show_progress(bar: &ProgressBar, at: &Progress, units: Option<System>) {
     if let Progress::Chosen(choice) = &at {
@@ -343,12 +361,18 @@ fn show_progress(bar: &ProgressBar, at: &Progress, units: Option<System>) {
         }
         return;
     }
+    if let Progress::Tried { tried, tolerance } = &at {
+        if units.is_some() && bar.elapsed().as_secs_f64() > LONG_SEARCH {
+            bar.suspend(|| output::note(&std::format!("tolerance: {}\n", tried_text(tried, *tolerance))));
+        }
+        return;
+    }
     if bar.is_hidden() {
         return;
     }
     let seconds = bar.elapsed().as_secs_f64().max(1e-9);
     match *at {
-        Progress::Chosen(_) => {}
+        Progress::Chosen(_) | Progress::Tried { .. } => {}
         Progress::Steps { step, steps, cells } => {
             bar.set_length(steps as u64);
             bar.set_position(step as u64);

@@ -43,7 +43,7 @@ use crate::record::{
     self, Account, AuditRow, AutoChoice, Case, ContactReading, ElasticCheck, EndSummary, ErrorFigure, Extreme, Figures,
     Fragments, FrontRow, FrontSummary, Ledger, LedgerSummary, LengthSummary, MaterialRecord, Off, Records,
     ResidualProfile, RuptureSummary, SegmentEnd, Stepped, Summary, Tally, TorsionSummary, Trace, TrackingSummary,
-    Twisted, View, above_critical,
+    Tried, Twisted, View, above_critical,
 };
 use crate::scene::{Effects, Scene, Torsion};
 use crate::snapshot::Snapshot;
@@ -59,6 +59,13 @@ pub use trial::{Trial, trial};
 pub enum Progress {
     /// `effects = "auto"` has decided on an effect.
     Chosen(Box<AutoChoice>),
+    /// `tolerance` has made a coarse run to select the method.
+    Tried {
+        /// The run.
+        tried: Tried,
+        /// The tolerance.
+        tolerance: f64,
+    },
     /// A solver that advances in time steps.
     Steps {
         /// Steps taken.

@@ -74,6 +74,48 @@ fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
     assert!(matches!(ended, Err(Error::Interrupted)));
 }
 
+/// A search of many minutes said nothing.
+#[test]
+fn a_search_for_a_method_says_what_it_has_tried() {
+    let (scene, mut tried) = (scene("until = \"200 us\"\ntolerance = 1e-6"), Vec::new());
+    let ended = run::run(&scene, None, &mut |at| {
+        if let Progress::Tried { tried: now, tolerance } = at {
+            assert!(tolerance == 1e-6 && now.work > 0, "{now:?}");
+            tried.push(now.by.scheme);
+        }
+        if tried.len() < 6 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    assert!(matches!(ended, Err(Error::Interrupted)));
+    assert!(["leapfrog", "front-tracking"].iter().all(|scheme| tried.iter().any(|by| by == scheme)), "{tried:?}");
+}
+
+/// The message was that the run had not begun.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_search_says_how_far_it_came() {
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = scene("until = \"400 us\"\ntolerance = 1e-6").text.replace("length = 1\n", "length = 0.5\n");
+    let text = text.replace("value = -20", "value = -30").replace("20 us", "50 us");
+    std::fs::write(folder.path().join("scene.toml"), text).expect("a file");
+    // Half a minute of computing time.
+    let child = Command::new(env!("CARGO_BIN_EXE_barwave"))
+        .current_dir(folder.path())
+        .args(["run", "scene.toml", "-o", "r.h5"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    std::thread::sleep(std::time::Duration::from_secs(4));
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()), "still under way");
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(130));
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(message.contains("interrupted while the method for `tolerance` was selected, after "), "{message}");
+    assert!(message.contains("tolerance: "), "{message}");
+}
+
 #[test]
 fn a_plan_stops_its_coarse_runs_and_says_so() {
     let long = "until = \"100 s\"\n";

@@ -44,6 +44,11 @@ pub(super) const FEW_EVENTS: u64 = 300;
 /// A pilot of front tracking is given up when it costs so many times more than the best grid is expected to.
 pub(super) const PATIENCE: f64 = 2.0;
 
+/// Nominal time of the longest run that a tolerance may come to, s.
+pub(super) const MOST_TIME: f64 = 3600.0;
+/// Pilots tell that a run would take longer once the next one takes this part of it: the first ones miss by too much.
+const TELLING: f64 = 0.01;
+
 /// Nominal time of a cell-step or an event, s: what `barwave plan` and the benches say, flowing cells for the most part.
 /// Only the ratios count.
 pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
@@ -129,6 +134,11 @@ impl Candidate {
         if self.out.is_some() || self.too_expensive.is_some() {
             return Some((f64::INFINITY, f64::INFINITY));
         }
+        self.carried_on(scene, tolerance)
+    }
+
+    /// What the pilots alone say of it.
+    fn carried_on(&self, scene: &Scene, tolerance: f64) -> Option<(f64, f64)> {
         let last = self.pilots.last()?;
         let least = if self.missed { LEAST_STEP } else { 1.0 };
         let finer = if last.estimate <= tolerance {
@@ -164,6 +174,29 @@ impl Candidate {
         finer.powf(self.growth()) * nominal(scene, self.method) * last as f64
     }
 
+    /// It is out where its run would take longer than the longest that there may be.
+    pub fn check_reach(&mut self, scene: &Scene, tolerance: f64) {
+        let Some((finer, time)) = self.carried_on(scene, tolerance) else { return };
+        if self.out.is_none() && time > MOST_TIME && self.next_pilot(scene) > TELLING * MOST_TIME {
+            let method = self.finer(finer);
+            self.out = Some(format!("{} would be needed, nominally {time:.0e} s", resolution(method)));
+        }
+    }
+
+    /// The least error that can be expected of a run within the longest time; none before the first pilot.
+    pub fn within_reach(&self, scene: &Scene) -> Option<f64> {
+        let last = self.pilots.iter().rfind(|pilot| pilot.estimate.is_finite())?;
+        let most = match self.method {
+            Method::FrontTracking { event_budget, .. } => {
+                MOST_TIME.min(event_budget as f64 * nominal(scene, self.method))
+            }
+            _ => MOST_TIME,
+        };
+        let longer = most / (nominal(scene, last.method) * last.work as f64);
+        let finer = longer.max(1.0).powf(1.0 / self.growth());
+        Some(last.estimate * finer.powf(-self.order(last)))
+    }
+
     /// Takes in a pilot. A grid that more cells do not help is out.
     pub fn add(&mut self, pilot: Pilot, tolerance: f64) {
         self.pilots.push(pilot);
@@ -185,6 +218,14 @@ impl Candidate {
     pub fn finer(&self, by: f64) -> Method {
         let last = self.pilots.last().map_or(self.method, |p| p.method.with_cells(p.cells));
         refined(last, by)
+    }
+}
+
+/// How finely a method works, in words.
+fn resolution(method: Method) -> String {
+    match method {
+        Method::FrontTracking { front_tolerance, .. } => format!("a front tolerance of {front_tolerance:.0e}"),
+        grid => format!("about {:.0e} cells", grid.cells().unwrap_or(0) as f64),
     }
 }
 
@@ -211,6 +252,20 @@ fn refined(method: Method, by: f64) -> Method {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const SCENE: &str = r#"
+[bar]
+length = "1 m"
+material = "copper-annealed"
+[left]
+kind = "velocity"
+value = "-30 m/s"
+[right]
+kind = "free"
+[effects]
+[solve]
+until = "1 ms"
+"#;
 
     fn candidate(method: Method, pilots: &[(f64, u64)]) -> Candidate {
         let mut candidate = Candidate::new(method);
@@ -278,6 +333,25 @@ mod tests {
         assert!((growth(&[1000, 9000]) - 2.0).abs() < 1e-12);
         assert_eq!(growth(&[1000, 900_000]), 3.0);
         assert_eq!(candidate(Method::CharacteristicNet { cells: 128 }, &[(0.1, 1), (0.1, 9)]).growth(), 2.0);
+    }
+
+    #[test]
+    fn what_takes_longer_than_the_longest_run_is_out_of_reach() {
+        let scene = Scene::parse("bar.toml", SCENE, std::path::Path::new(""), &[]).expect("a scene");
+        let mut grid = candidate(Method::Leapfrog { cells: 1000, cfl: 1.0 }, &[(0.1, 100_000), (0.05, 400_000)]);
+        // Of first order: 1e6 times the cells, but the next pilot is too short to tell.
+        grid.check_reach(&scene, 1e-8);
+        assert_eq!(grid.out, None);
+        grid.pilots[0].work = 4_000_000_000;
+        grid.pilots[1].work = 16_000_000_000;
+        grid.check_reach(&scene, 1e-2);
+        assert_eq!(grid.out, None);
+        grid.check_reach(&scene, 1e-3);
+        let why = grid.out.as_deref().expect("out");
+        assert!(why.starts_with("about 1e4 cells would be needed, nominally 1e5 s"), "{why}");
+        // 32 s for the last pilot: ten times the cells take an hour.
+        let least = grid.within_reach(&scene).expect("pilots");
+        assert!((least / 0.05 - (32.0_f64 / 3600.0).sqrt()).abs() < 1e-9, "{least}");
     }
 
     #[test]

@@ -3,7 +3,8 @@
 //! All methods that can do the scene start from their coarsest resolution and are refined in turn, always the one that is
 //! expected to be done soonest, until one of them is so near to the tolerance that its last step is safe to predict. Those
 //! pilots hold no recorders. The run itself comes then; where its own estimate misses the tolerance it is refined and
-//! repeated. Costs are counted in work, not in measured time, so that a scene is solved alike on every machine.
+//! repeated. Costs are counted in work, not in measured time, so that a scene is solved alike on every machine. Where every method would take longer
+//! than an hour, by that count, the search ends.
 
 mod candidate;
 mod pilots;
@@ -12,7 +13,7 @@ use std::ops::ControlFlow;
 
 use serde::{Deserialize, Serialize};
 
-use self::candidate::{Candidate, FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, Pilot};
+use self::candidate::{Candidate, FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, MOST_TIME, Pilot};
 use self::pilots::{contradiction, front_pilot, grid_pilot};
 use super::tracked::OUT_OF_EVENTS;
 use super::{Progress, Target, on_target};
@@ -154,6 +155,9 @@ fn race(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<(usize, f64)> {
     loop {
+        for candidate in candidates.iter_mut() {
+            candidate.check_reach(scene, tolerance);
+        }
         let predicted = |r: &Candidate| r.predicted(scene, tolerance);
         let time = |r: &Candidate| predicted(r).map_or(0.0, |f| f.1);
         let best = candidates.iter().enumerate().filter(|(_, r)| r.out.is_none());
@@ -169,12 +173,13 @@ fn race(
         let cheap = (0..candidates.len()).filter(|&k| (k != best || near.is_none()) && misses(&candidates[k]));
         let cost = |k: usize| candidates[k].next_pilot(scene);
         let cheap = cheap.min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
-        let cheap = cheap.filter(|&k| cost(k) < NEXT_TO_NOTHING * time(&candidates[best]));
+        let cheap = cheap.filter(|&k| cost(k) < NEXT_TO_NOTHING * time(&candidates[best]).min(MOST_TIME));
         if let (None, Some((finer, _))) = (cheap, near) {
             return Ok((best, finer));
         }
         let next = cheap.unwrap_or(best);
         pilot(scene, candidates, next, tolerance, progress)?;
+        tell(tolerance, &candidates[next], progress)?;
         // Where a handful of events is enough there is nothing to compare.
         let last = candidates[next].pilots.last();
         if candidates[next].method.tracks_fronts()
@@ -183,6 +188,13 @@ fn race(
             return Ok((next, 1.0));
         }
     }
+}
+
+/// Tells what a candidate's last pilot came to.
+fn tell(tolerance: f64, candidate: &Candidate, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<()> {
+    let Some(last) = candidate.pilots.last() else { return Ok(()) };
+    let tried = tried_of(last.method, last.estimate, last.work);
+    if progress(Progress::Tried { tried, tolerance }).is_break() { Err(Error::Interrupted) } else { Ok(()) }
 }
 
 /// The next pilot of one candidate.
@@ -259,7 +271,12 @@ fn not_reached(scene: &Scene, tolerance: f64, candidates: &[Candidate]) -> Error
     });
     let whys = candidates.iter().filter_map(|r| Some(format!("; {}: {}", r.method.names()[1], r.out.as_ref()?)));
     let reason = format!("no method reached the tolerance {tolerance:e}{best}{}", whys.collect::<String>());
-    let help =
-        "increase `tolerance`, or set a method and its resolution in [solve]; `barwave cost` shows the error of each";
-    RunError { reason, time: scene.solve.until, x: None, help: help.into() }.into()
+    let least = candidates.iter().filter_map(|candidate| candidate.within_reach(scene)).reduce(f64::min);
+    let least = least.map_or_else(String::new, |least| {
+        format!(" (about {:.0e} is expected to be the least within {MOST_TIME:.0} s)", least.max(tolerance))
+    });
+    let help = format!(
+        "increase `tolerance`{least}, or set a method and its resolution in [solve]; `barwave cost` shows the error of each"
+    );
+    RunError { reason, time: scene.solve.until, x: None, help }.into()
 }

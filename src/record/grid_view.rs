@@ -23,6 +23,11 @@ impl View for Leapfrog {
         sample(self, || self.displacements(), field, places, out);
     }
 
+    fn strains(&self, each: &mut dyn FnMut(f64, f64)) {
+        let mut reader = Reader::new(self, Quantity::Strain);
+        strains(self.grid(), |cell| reader.value(cell), each);
+    }
+
     fn ends(&self) -> [EndState; 2] {
         [self.left(), self.right()].map(EndNode::reading)
     }
@@ -62,6 +67,16 @@ impl View for Leapfrog {
     }
 }
 
+/// The strain of every cell of a grid, see [`View::strains`].
+fn strains(grid: &Grid, mut strain: impl FnMut(usize) -> f64, each: &mut dyn FnMut(f64, f64)) {
+    for part in &grid.segments {
+        for cell in part.cells.clone() {
+            let [from, to] = part.cell(cell);
+            each(part.x0 + 0.5 * (from + to), strain(cell));
+        }
+    }
+}
+
 /// [`View`] of a solver that does not break, and has nothing act along the bar.
 macro_rules! view_of_whole_bar {
     ($solver:ty) => {
@@ -74,6 +89,10 @@ macro_rules! view_of_whole_bar {
 
             fn sample(&self, field: Field, places: &Sampling, out: &mut [f64]) {
                 sample(self, || self.displacements(), field, places, out);
+            }
+
+            fn strains(&self, each: &mut dyn FnMut(f64, f64)) {
+                strains(self.grid(), |cell| self.value(Quantity::Strain, cell), each);
             }
 
             fn ends(&self) -> [EndState; 2] {

@@ -120,6 +120,8 @@ mod tests {
 
         fn sample(&self, _: Field, (): &(), _: &mut [f64]) {}
 
+        fn strains(&self, _: &mut dyn FnMut(f64, f64)) {}
+
         fn ends(&self) -> [EndState; 2] {
             [EndState::default(); 2]
         }

@@ -31,6 +31,12 @@ impl View for FrontTracking {
         self.sweep(places, |k, segment, point| out[k] = value(self.medium(segment), point));
     }
 
+    fn strains(&self, each: &mut dyn FnMut(f64, f64)) {
+        for piece in self.pieces() {
+            each(0.5 * (piece.from + piece.to), self.medium(piece.segment).strain(piece.point));
+        }
+    }
+
     fn ends(&self) -> [EndState; 2] {
         self.ends().map(|record| {
             record.steps.last().map_or(EndState { stress: 0.0, velocity: 0.0 }, |s| EndState {

@@ -18,6 +18,9 @@ pub trait View {
     /// A field at every place, into `out` (one entry a place).
     fn sample(&self, field: Field, places: &Self::Places, out: &mut [f64]);
 
+    /// Passes on the centre (m) and the strain of every part of the bar with a state of its own: cells, or what lies between fronts.
+    fn strains(&self, each: &mut dyn FnMut(f64, f64));
+
     /// The left and the right end now.
     fn ends(&self) -> [EndState; 2];
 

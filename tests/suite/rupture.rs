@@ -441,6 +441,25 @@ fn a_softening_bar_says_that_its_strain_depends_on_the_cells() {
     assert!(!with_rate.contains("cell size"), "{with_rate}");
 }
 
+/// The strain of the audit was the one between the first cells, 99 % of the fracture strain, where the first one had 115 % of it.
+#[test]
+fn a_bar_that_would_break_in_one_cell_says_so() {
+    let pulled = |effects: &str| {
+        let (left, right) = ("kind = \"velocity\"\nvalue = -46", "kind = \"free\"");
+        let text = format!(
+            "[bar]\nlength = 0.5\nmaterial = \"copper-ofhc-jc\"\n[left]\n{left}\n[right]\n{right}\n[effects]\n{effects}\n\
+             [solve]\nuntil = 150e-6\ncells = 400\n"
+        );
+        let summary = barwave::run::run(&scene(&text), None, &mut |_| ControlFlow::Continue(()));
+        summary.unwrap_or_else(|e| panic!("{e}"))
+    };
+    let summary = pulled("hardening = \"isotropic\"\nrate = \"material\"");
+    let row = summary.audit.iter().find(|row| row.effect == "rupture").expect("it is off");
+    assert!(row.matters() && row.finding.contains("115 % of the fracture strain"), "{row:?}");
+    let broken = pulled("hardening = \"isotropic\"\nrate = \"material\"\nrupture = \"critical-strain\"");
+    assert_eq!(broken.ruptures.expect("asked for").len(), 1);
+}
+
 /// Two rods of sections 2 and 1 cm^2, joined by a notch.
 fn joined(notch: f64, length: f64, left: &str, solve: &str) -> Scene {
     scene(&format!(

@@ -6,7 +6,7 @@
 //! into another one (the bar breaks) counts as 1.
 //!
 //! Some hundred places are looked at some sixty times a run, and only once something has yielded: that is cheap beside the
-//! stepping. What each effect makes of a look is in a file of its own.
+//! stepping. Tensile strains, which can be largest in a cell alone, are those of every cell. What each effect makes of a look is in a file of its own.
 
 mod finding;
 mod heat;
@@ -125,7 +125,7 @@ impl Audit {
             unloading: Unloading::new(&places, &materials, case.cells),
             heat: Heat::new(&materials, count),
             rate: RateRise::new(&materials, count),
-            tensile: TensileStrain::default(),
+            tensile: TensileStrain::new(case.bar, case.cells.filter(|_| case.off.rate)),
             joints: Joints::new(case.bar, &places),
             lateral: lateral::row(case),
             materials,
@@ -154,6 +154,9 @@ impl Audit {
             bar.sample(Field::AccumulatedPlasticStrain, at, &mut now.plastic);
             now.plastic.iter_mut().zip(&self.places.at_start).for_each(|(plastic, start)| *plastic -= start);
         }
+        if self.off.rupture {
+            self.tensile.look(bar);
+        }
         self.take_in();
     }
 
@@ -170,9 +173,6 @@ impl Audit {
         }
         if self.off.rate {
             self.rate.look(now, places);
-        }
-        if self.off.rupture {
-            self.tensile.look(now, places, &self.materials);
         }
     }
 
@@ -196,7 +196,7 @@ impl Audit {
             rows.push(row("heat", &|| axial(self.heat.finding(materials, places, share))));
         }
         if broken.is_empty() && self.off.rupture {
-            rows.push(row("rupture", &|| axial(self.tensile.finding(materials, places, !self.off.rate))));
+            rows.push(row("rupture", &|| axial(self.tensile.finding(materials, !self.off.rate))));
         }
         rows.extend(broken.into_iter().map(|row| AuditRow { threshold: self.tolerance, ..row }));
         rows.extend(self.joints.row());

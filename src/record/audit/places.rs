@@ -40,7 +40,12 @@ impl Places {
 
     /// A time (s) and a place, for messages.
     pub fn moment(&self, time: f64, place: usize) -> String {
-        let x = format(self.x[place], Dimension::Length, System::Si);
-        std::format!("t = {}, x = {x}", format(time, Dimension::Time, System::Si))
+        moment(time, self.x[place])
     }
+}
+
+/// A time (s) and a place (m), for messages.
+pub(super) fn moment(time: f64, x: f64) -> String {
+    let [time, x] = [(time, Dimension::Time), (x, Dimension::Length)].map(|(value, of)| format(value, of, System::Si));
+    std::format!("t = {time}, x = {x}")
 }

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::finding::{DECISIVE, Finding};
-use super::places::Places;
-use super::{AuditRow, Reading};
-use crate::bar::{Driver, InitialFan};
+use super::places::moment;
+use super::{AuditRow, View};
+use crate::bar::{Bar, Driver, InitialFan, Segment};
 use crate::law::rupture::Rupture;
 use crate::law::{Limit, Reached};
 use crate::material::{Loading, Material, Sense, UltimateReason};
-use crate::solver::fd::{CELLS_TO_BREAK, Unresolved};
+use crate::solver::fd::{CELLS_TO_BREAK, NEAR_END, OVERSHOOT, Unresolved};
 use crate::units::{Dimension, System, format};
 
 /// A share of the critical strain from here on counts as all of it: what is missing is rounding.
@@ -22,32 +22,59 @@ const REACHED: f64 = 1.0 - 1e-12;
 const LOCALIZES: &str = "; past the largest stress of its curve the strain localizes, and without rate dependence the largest strain and the \
                          width of that zone depend on the cell size";
 
-/// The largest tensile strain against the critical one.
+/// The largest tensile strain against the critical one, of every cell, or of all that lies between fronts.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct TensileStrain {
-    /// Share of the critical strain, strain, time, place.
-    largest: Option<(f64, f64, f64, usize)>,
+    largest: Option<Largest>,
+    /// Right end (m) and critical strain of each segment, which can be simulated in pieces; infinite where it is not known.
+    critical: Vec<(f64, f64)>,
+    /// Cells of a grid at whose ends the scheme may put too much strain.
+    cells: Option<usize>,
+}
+
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+struct Largest {
+    /// Of the critical strain.
+    share: f64,
+    strain: f64,
+    /// s.
+    time: f64,
+    segment: usize,
+    /// m.
+    x: f64,
 }
 
 impl TensileStrain {
-    pub fn look(&mut self, now: &Reading, places: &Places, materials: &[Arc<Material>]) {
-        let critical = |m: &Arc<Material>| m.branch(Sense::Tension).ultimate().map_or(f64::INFINITY, |u| u.strain);
-        let mut k = 0;
-        for (segment, material) in materials.iter().enumerate() {
-            let critical = critical(material);
-            while k < now.strain.len() && places.segment[k] == segment {
-                let share = now.strain[k] / critical;
-                if share > self.largest.map_or(0.0, |l| l.0) {
-                    self.largest = Some((share, now.strain[k], now.time, k));
-                }
-                k += 1;
+    /// `cells` of a grid on which plastic strain takes no time.
+    pub fn new(bar: &Bar, cells: Option<usize>) -> Self {
+        let mut end = 0.0;
+        let critical = |segment: &Segment| {
+            end += segment.length;
+            let ultimate = segment.material.branch(Sense::Tension).ultimate();
+            (end, ultimate.map_or(f64::INFINITY, |ultimate| ultimate.strain))
+        };
+        Self { largest: None, critical: bar.segments.iter().map(critical).collect(), cells }
+    }
+
+    pub fn look(&mut self, bar: &impl View) {
+        let (time, mut cell, mut segment) = (bar.time(), 0, 0);
+        bar.strains(&mut |x, strain| {
+            while segment + 1 < self.critical.len() && x > self.critical[segment].0 {
+                segment += 1;
             }
-        }
+            let near_end = self.cells.is_some_and(|cells| cell < NEAR_END || cell + NEAR_END >= cells);
+            let strain = if near_end { strain / OVERSHOOT } else { strain };
+            let share = strain / self.critical[segment].1;
+            if share > self.largest.map_or(0.0, |largest| largest.share) {
+                self.largest = Some(Largest { share, strain, time, segment, x });
+            }
+            cell += 1;
+        });
     }
 
     /// `rate`: plastic flow depends on the strain rate, which gives a localized zone its width.
-    pub fn finding(&self, materials: &[Arc<Material>], places: &Places, rate: bool) -> Finding {
-        let Some((share, strain, time, place)) = self.largest else {
+    pub fn finding(&self, materials: &[Arc<Material>], rate: bool) -> Finding {
+        let Some(Largest { share, strain, time, segment, x }) = self.largest else {
             let known = materials.iter().any(|m| m.branch(Sense::Tension).ultimate().is_some());
             return if known {
                 Finding::nothing("no section was strained in tension")
@@ -57,11 +84,11 @@ impl TensileStrain {
         };
         let message = std::format!(
             "fracture was not simulated; the largest tensile strain is {strain:.4} ({}), {:.0} % of the fracture strain of {}",
-            places.moment(time, place),
+            moment(time, x),
             100.0 * share,
-            materials[places.segment[place]].name,
+            materials[segment].name,
         );
-        let ultimate = materials[places.segment[place]].branch(Sense::Tension).ultimate();
+        let ultimate = materials[segment].branch(Sense::Tension).ultimate();
         let localizes = !rate && ultimate.is_some_and(|ultimate| ultimate.reason == UltimateReason::MaximumStress);
         if share >= REACHED {
             let message = if localizes { message + LOCALIZES } else { message };

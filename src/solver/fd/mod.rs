@@ -42,7 +42,7 @@ pub use implicit::DistributedForces;
 pub use leapfrog::{Leapfrog, Log, LoggedCell};
 pub use quantity::Quantity;
 pub use reader::Reader;
-pub use rupture::CELLS_TO_BREAK;
+pub use rupture::{CELLS_TO_BREAK, NEAR_END, OVERSHOOT};
 pub use sample::{Sampling, between};
 pub use segment::SegmentLaw;
 pub use taper::BYTES_PER_CELL as TAPER_BYTES_PER_CELL;

@@ -28,8 +28,9 @@ const AHEAD: f64 = 4.0;
 
 /// Next to a suddenly moved end that does not start with its fan a cell keeps too much plastic strain, by 12 % in the first of a bilinear bar and
 /// 0.5 % in the third. So many cells at an end that pulls have to go so far beyond a threshold of strain or energy.
-const NEAR_END: usize = 2;
-const OVERSHOOT: f64 = 1.2;
+pub const NEAR_END: usize = 2;
+/// See [`NEAR_END`].
+pub const OVERSHOOT: f64 = 1.2;
 
 /// No piece has fewer cells than this.
 const SHORTEST: f64 = 4.0;

@@ -193,6 +193,8 @@ scenes! {
     heat: "heat" => ["hardening", "heat"];
     heat_too_little: "heat-too-little" => [];
     rate_and_heat: "rate-and-heat" => ["hardening", "rate", "heat"];
+    rate_ahead_of_the_plastic_wave: "rate-ahead-of-the-plastic-wave" => ["hardening", "rate"];
+    heat_after_release: "heat-after-release" => ["hardening", "rate", "heat"];
     rupture: "rupture" => ["hardening", "rupture"];
     lateral: "lateral" => ["lateral-inertia"];
     thin: "thin" => [];

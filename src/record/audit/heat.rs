@@ -1,5 +1,5 @@
 //! Adiabatic heating by plastic work, and the softening `((T - Tref)/(Tm - Tref))^m` of the flow stress that it brings
-//! (Johnson and Cook). Each place loses that share of its stress, to first order.
+//! (Johnson and Cook). Each place loses that share of its stress, to first order; unloading spreads the loss over the bar.
 
 use std::sync::Arc;
 
@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::Reading;
 use super::finding::Finding;
 use super::places::Places;
+use super::spread::Spread;
 use crate::material::{DEFAULT_FRACTION, Material, Sense, WorkTable};
 
 /// A place's softening is worked out again when its plastic strain has grown by this share.
@@ -20,6 +21,7 @@ pub(super) struct Heat {
     pub(super) media: Vec<Option<[Medium; 2]>>,
     /// Plastic strain at which each place's softening was worked out, and the softening.
     softening: Vec<(f64, f64)>,
+    spread: Spread,
     /// Largest of all looks, Pa m.
     change: f64,
     /// Largest rise: K, softening, time, place.
@@ -56,14 +58,14 @@ impl Medium {
 }
 
 impl Heat {
-    pub fn new(materials: &[Arc<Material>], places: usize) -> Self {
+    pub fn new(materials: &[Arc<Material>], places: usize, spread: Spread) -> Self {
         let both = |m: &Arc<Material>| Some([Medium::of(m, Sense::Tension)?, Medium::of(m, Sense::Compression)?]);
         let media = materials.iter().map(both).collect();
-        Self { media, softening: vec![(0.0, 0.0); places], change: 0.0, hottest: None }
+        Self { media, softening: vec![(0.0, 0.0); places], spread, change: 0.0, hottest: None }
     }
 
     pub fn look(&mut self, now: &Reading, places: &Places) {
-        let mut change = 0.0;
+        let mut changes = vec![0.0; self.softening.len()];
         for (k, softening) in self.softening.iter_mut().enumerate() {
             let (Some(senses), plastic) = (&self.media[places.segment[k]], now.plastic[k]) else { continue };
             if plastic > WORTH_IT * softening.0 {
@@ -73,9 +75,10 @@ impl Heat {
                     self.hottest = Some((rise, lost, now.time, k));
                 }
             }
-            change += places.weight[k] * softening.1 * now.stress[k].abs();
+            changes[k] = softening.1 * now.stress[k].abs();
         }
-        self.change = self.change.max(change);
+        let spread = self.spread.look(now, &changes);
+        self.change = self.change.max(places.integral(&changes)).max(spread);
     }
 
     pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> Finding {

@@ -16,6 +16,7 @@ mod places;
 mod rate;
 mod reversal;
 mod rupture;
+mod spread;
 mod unloading;
 
 use std::sync::Arc;
@@ -30,6 +31,7 @@ pub use reversal::reversed_flow;
 use rupture::TensileStrain;
 pub use rupture::{above_critical, at_limit, broken_end, broken_inside, late_fracture, past_data, short_tension};
 use serde::{Deserialize, Serialize};
+use spread::Spread;
 use unloading::Unloading;
 
 use super::{AuditRow, Field, View};
@@ -123,8 +125,8 @@ impl Audit {
             looked: false,
             peak: 0.0,
             unloading: Unloading::new(&places, &materials, case.cells),
-            heat: Heat::new(&materials, count),
-            rate: RateRise::new(&materials, count),
+            heat: Heat::new(&materials, count, Spread::new(case.bar, &places)),
+            rate: RateRise::new(&materials, count, Spread::new(case.bar, &places)),
             tensile: TensileStrain::new(case.bar, case.cells.filter(|_| case.off.rate)),
             joints: Joints::new(case.bar, &places),
             lateral: lateral::row(case),

@@ -38,6 +38,11 @@ impl Places {
         places
     }
 
+    /// Of a value at every place over the bar, times m.
+    pub fn integral(&self, values: &[f64]) -> f64 {
+        values.iter().zip(&self.weight).map(|(value, weight)| weight * value).sum()
+    }
+
     /// A time (s) and a place, for messages.
     pub fn moment(&self, time: f64, place: usize) -> String {
         moment(time, self.x[place])

@@ -5,7 +5,12 @@
 //! and then this is the mean over a time in which a wave crosses a sixty-fourth of its way. What the estimate needs is not
 //! more: by Malvern's law the overstress of a passing front, added up over time, is `E d eps_p/k` however short it is; by
 //! the others it grows with the logarithm or a small power of the rate. Between looks the overstress of a place relaxes as
-//! the law has it at constant strain, and it is never more than the stress of the same strain without any flow.
+//! the law has it at constant strain. Under a load that lasts strain is not constant: waves from the loaded end keep the place flowing, so that
+//! the overstress is at least that of the mean rate since the place yielded.
+//!
+//! Ahead of the plastic waves a bar that flows at once is at its elastic limit and does not flow. With a rate the wave in front
+//! carries more there: the overstress of its own strain rate, which relaxes. It is never more than the stress of the largest plastic strain in the bar,
+//! were that elastic.
 
 use std::sync::Arc;
 
@@ -13,9 +18,14 @@ use serde::{Deserialize, Serialize};
 
 use super::finding::Finding;
 use super::places::Places;
+use super::spread::Spread;
 use super::{AuditRow, Reading};
 use crate::law::rate::{Driven, Overstress};
-use crate::material::{Material, Rate};
+use crate::material::{Material, Rate, Sense};
+
+/// Part of its largest stress down to which a place counts as loaded, and part of its elastic limit from which it counts as having come to it.
+const LOADED: f64 = 0.9;
+const AT_LIMIT: f64 = 0.99;
 
 /// Plastic strain that counts as flow, as a part of what the place has gained: less is ripples and rounding.
 const FLOWED: f64 = 1e-3;
@@ -24,16 +34,49 @@ const FLOWED: f64 = 1e-3;
 pub(super) struct RateRise {
     /// By segment; none where the material states no rate.
     #[serde(skip)]
-    pub(super) media: Vec<Option<(Overstress, f64)>>,
+    pub(super) media: Vec<Option<Medium>>,
     places: Vec<Place>,
+    /// Largest plastic strain in the bar so far, times Young's modulus, Pa.
+    elastic: f64,
+    spread: Spread,
     /// Largest of all looks, Pa m.
     change: f64,
     /// Highest rate: 1/s, rise of the flow stress, time, place.
     quickest: Option<(f64, f64, f64, usize)>,
 }
 
+/// A material whose flow takes time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Medium {
+    law: Overstress,
+    modulus: f64,
+    /// Elastic limits in tension and compression, Pa.
+    limits: [f64; 2],
+}
+
+impl Medium {
+    fn of(material: &Arc<Material>) -> Option<Self> {
+        let (law, modulus) = (Overstress::of(Rate::Material, material)?, material.modulus);
+        let limit = |sense| material.branch(sense).elastic_limit(modulus).1;
+        Some(Self { law, modulus, limits: [Sense::Tension, Sense::Compression].map(limit) })
+    }
+}
+
+/// What a place does from one look to the next.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// s.
+    time: f64,
+    /// s.
+    lapse: f64,
+    stress: f64,
+    plastic: f64,
+}
+
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Place {
+    /// When it yielded, s, at the look before.
+    yielded: Option<f64>,
     plastic: f64,
     /// Pa.
     overstress: f64,
@@ -43,7 +86,13 @@ struct Place {
 
 impl Place {
     /// Goes on by one look; returns the plastic strain rate, 1/s.
-    fn look(&mut self, (law, modulus): (Overstress, f64), lapse: f64, stress: f64, plastic: f64) -> f64 {
+    fn look(&mut self, medium: &Medium, step: Step) -> f64 {
+        let Medium { law, modulus, limits } = *medium;
+        let Step { time, lapse, stress, plastic } = step;
+        let limit = limits[usize::from(stress < 0.0)];
+        if self.yielded.is_none() && plastic <= 0.0 && stress.abs() < AT_LIMIT * limit {
+            return 0.0;
+        }
         self.flow = self.flow.max(stress.abs());
         let gained = plastic - self.plastic;
         let rate = if gained > FLOWED * plastic { gained / lapse } else { 0.0 };
@@ -52,41 +101,50 @@ impl Place {
             let relaxing = Driven { excess: self.overstress, rise: 0.0, time: lapse };
             self.overstress -= law.flow(relaxing, 1.0, self.flow);
         }
-        if rate > 0.0 {
-            self.overstress = self.overstress.max(law.overstress(modulus * rate, self.flow));
+        let passing = if self.yielded.is_none() { limit / (modulus * lapse) } else { 0.0 };
+        let since = *self.yielded.get_or_insert(time - lapse);
+        let lasting = if stress.abs() >= LOADED * self.flow { self.plastic / (time - since) } else { 0.0 };
+        let strain_rate = rate.max(passing).max(lasting);
+        if strain_rate > 0.0 {
+            self.overstress = self.overstress.max(law.overstress(modulus * strain_rate, self.flow));
         }
-        self.overstress = self.overstress.min(modulus * self.plastic);
         rate
     }
 }
 
 impl RateRise {
-    pub fn new(materials: &[Arc<Material>], places: usize) -> Self {
-        let media = materials.iter().map(|m| Overstress::of(Rate::Material, m).map(|law| (law, m.modulus))).collect();
-        Self { media, places: vec![Place::default(); places], change: 0.0, quickest: None }
+    pub fn new(materials: &[Arc<Material>], places: usize, spread: Spread) -> Self {
+        let media = materials.iter().map(Medium::of).collect();
+        Self { media, places: vec![Place::default(); places], elastic: 0.0, spread, change: 0.0, quickest: None }
     }
 
     pub fn look(&mut self, now: &Reading, places: &Places) {
-        let mut change = 0.0;
+        if now.lapse <= 0.0 {
+            return;
+        }
+        let moduli = places.segment.iter().map(|&segment| self.media[segment].map_or(0.0, |medium| medium.modulus));
+        self.elastic =
+            moduli.zip(&now.plastic).fold(self.elastic, |most, (modulus, plastic)| most.max(modulus * plastic));
+        let mut changes = vec![0.0; self.places.len()];
         for (k, place) in self.places.iter_mut().enumerate() {
-            let Some(medium) = self.media[places.segment[k]] else { continue };
-            if now.plastic[k] <= 0.0 || now.lapse <= 0.0 {
-                continue;
-            }
-            let rate = place.look(medium, now.lapse, now.stress[k], now.plastic[k]);
-            if self.quickest.is_none_or(|q| rate > q.0) {
+            let Some(medium) = &self.media[places.segment[k]] else { continue };
+            let step = Step { time: now.time, lapse: now.lapse, stress: now.stress[k], plastic: now.plastic[k] };
+            let rate = place.look(medium, step);
+            place.overstress = place.overstress.min(self.elastic);
+            if rate > self.quickest.map_or(0.0, |q| q.0) {
                 self.quickest = Some((rate, place.overstress / place.flow, now.time, k));
             }
-            change += places.weight[k] * place.overstress;
+            changes[k] = place.overstress;
         }
-        self.change = self.change.max(change);
+        let spread = self.spread.look(now, &changes);
+        self.change = self.change.max(places.integral(&changes)).max(spread);
     }
 
     pub fn finding(&self, materials: &[Arc<Material>], places: &Places, share: impl Fn(f64) -> f64) -> Finding {
         if self.media.iter().all(Option::is_none) {
             return Finding::lacks(&materials[0].name, "constants in [rate]");
         }
-        let Some((rate, rise, time, place)) = self.quickest.filter(|q| q.0 > 0.0) else {
+        let Some((rate, rise, time, place)) = self.quickest else {
             return Finding::nothing("no material with [rate] constants deformed plastically");
         };
         let basis = std::format!(

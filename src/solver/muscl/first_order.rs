@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::block::{Block, GHOSTS, NEARBY, Stage};
-use super::history::{Stiffenings, passed};
+use super::history::{History, Stiffenings, passed};
 use super::part::Part;
 
 /// Part of the elastic limit by which the strain must have reversed.
@@ -21,17 +21,25 @@ impl Block {
         [if yielded { part.law.law.accumulated(&self.state, i) } else { 0.0 }; 2]
     }
 
+    /// What is known of a cell's history.
+    fn history(&self, i: usize) -> Option<&History> {
+        self.histories.get(i).filter(|history| !history.is_unknown())
+    }
+
     /// How many stiffening knots of its curve a cell has passed.
     fn stiffenings(&self, part: &Part, i: usize) -> Stiffenings {
-        let known = self.histories.get(i).filter(|history| !history.is_unknown());
-        known.map_or_else(|| passed(part, self.along(part, i)), |history| history.passed)
+        self.history(i).map_or_else(|| passed(part, self.along(part, i)), |history| history.passed)
+    }
+
+    /// One of these cells has come to where its curve is level or falls.
+    fn come_to_level(&self, part: &Part, mut cells: Range<usize>) -> bool {
+        cells.any(|i| self.history(i).map_or_else(|| part.is_level(self.along(part, i)), |history| history.is_level))
     }
 
     /// Slopes gave energy to a cell or one beside it, near one that has come to where its curve is level or falls. (Elsewhere they give what they
     /// take again: fronts without them would be spread as by a scheme of first order.)
     fn is_level_and_owes(&self, part: &Part, i: usize) -> bool {
-        let level = |i| self.along(part, i).iter().zip(part.levels).any(|(&along, level)| along >= level);
-        self.owes_near(part, i) && self.around(i).any(level)
+        self.owes_near(part, i) && self.come_to_level(part, self.around(i))
     }
 
     /// Strains of these cells lie beyond the elastic limit in one sense and reach into the other: a shock that reverses the strain, where the
@@ -82,7 +90,7 @@ impl Block {
         if part.path_independent && some(1.0) && some(-1.0) && self.reverse(part, 0..row) {
             (2..row - 2).for_each(|i| flat[i] |= self.reverse(part, self.around(i)));
         }
-        if part.most_energy_defect.is_some() {
+        if part.most_energy_defect.is_some() && self.come_to_level(part, 0..row) {
             (2..row - 2).for_each(|i| flat[i] |= self.is_level_and_owes(part, i));
         }
     }

@@ -20,18 +20,22 @@ pub(super) struct History {
     /// The lines of the curve in tension and compression on which these are.
     lines: [usize; 2],
     pub passed: Stiffenings,
+    /// It has come to where its curve is level or falls.
+    pub is_level: bool,
 }
 
 impl History {
     /// The cell has flowed, or is another one.
-    pub const UNKNOWN: Self = Self { low: f64::NAN, high: f64::NAN, lines: [0; 2], passed: [0; 2] };
+    pub const UNKNOWN: Self = Self { low: f64::NAN, high: f64::NAN, lines: [0; 2], passed: [0; 2], is_level: false };
 
     /// That of a cell of a row with this law state.
     pub fn of(part: &Part, state: &[f64], i: usize) -> Self {
         let law = part.law.law.as_ref();
         let (accumulated, back) = (law.accumulated(state, i), law.back_stress(state, i));
         let [(tension, high), (compression, low)] = part.faces.limits(accumulated, back);
-        Self { low: -low, high, lines: [tension, compression], passed: passed(part, [accumulated; 2]) }
+        let along = [accumulated; 2];
+        let (passed, is_level) = (passed(part, along), part.is_level(along));
+        Self { low: -low, high, lines: [tension, compression], passed, is_level }
     }
 
     pub fn is_unknown(&self) -> bool {

@@ -69,6 +69,11 @@ impl Part {
         self.stiffens.is_some() && !self.path_independent
     }
 
+    /// A cell that has come so far along the curve in tension and in compression is where that is level or falls, Pa, as [`Part::levels`] counts.
+    pub(super) fn is_level(&self, along: [f64; 2]) -> bool {
+        along.iter().zip(self.levels).any(|(&along, level)| along >= level)
+    }
+
     /// Some cells may have no slopes.
     pub(super) fn may_be_first_order(&self) -> bool {
         self.path_independent || self.stiffens.is_some() || self.most_energy_defect.is_some()

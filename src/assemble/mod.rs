@@ -160,15 +160,19 @@ fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
         if is_followed_both_ways(&scene.effects) {
             return fan.unloading_along_curve();
         }
-        let material = &scene.bar.segments[fan.segment].material;
         let yields = if moves(&scene.effects) {
-            Table::new(material.branch(fan.sense), material.modulus).yield_stress()
+            yield_stress(&scene.bar.segments[fan.segment].material, fan.sense)
         } else {
             fan.fan.stress
         };
         InitialFan { yields_after: 2.0 * yields, ..fan }
     };
     all_sudden_fans(scene, grid, late).into_iter().map(unloading).collect()
+}
+
+/// Stress at which a material first yields in one sense, Pa.
+fn yield_stress(material: &Material, sense: Sense) -> f64 {
+    Table::new(material.branch(sense), material.modulus).yield_stress()
 }
 
 /// Those of a bar that is unloaded elastically.

@@ -97,21 +97,21 @@ fn steady_for(scene: &Scene) -> f64 {
     let bar = &scene.bar;
     let last = bar.segments.len() - 1;
     let of_end = |(end, segment, side): (&EndCondition, usize, usize)| {
-        let load = LessensFrom { at: &bar.segments[segment], side, is_fresh: !bar.has_initial_state() };
-        load.steady_under(end)
+        LoadedEnd { at: &bar.segments[segment], side, is_fresh: !bar.has_initial_state() }.steady_under(end)
     };
     [(&scene.left, 0, 0), (&scene.right, last, 1)].into_iter().map(of_end).fold(f64::INFINITY, f64::min)
 }
 
-/// An end of a segment, the load of which lessens.
-struct LessensFrom<'a> {
+/// An end of the bar, in its segment.
+struct LoadedEnd<'a> {
     at: &'a Segment,
     side: usize,
     /// The bar has no initial stress and has not yielded.
     is_fresh: bool,
 }
 
-impl LessensFrom<'_> {
+impl LoadedEnd<'_> {
+    /// For how long the first wave of its load hardly changes, s.
     fn steady_under(&self, end: &EndCondition) -> f64 {
         let at = self.at;
         let inward = [1.0, -1.0][self.side];
@@ -144,9 +144,8 @@ impl LessensFrom<'_> {
     /// Stress (Pa) that the end needs of this one for its first wave to hold. That of a load beyond yield has the yield stress: what unloads the bar is
     /// used up by the plastic fronts behind it, as long as there are any.
     fn needed(&self, stress: f64, sense: Sense) -> f64 {
-        let material = &self.at.material;
-        let yields = Table::new(material.branch(sense), material.modulus).yield_stress();
-        (1.0 - STEADY) * if self.is_fresh { stress.min(yields) } else { stress }
+        let yields = if self.is_fresh { super::yield_stress(&self.at.material, sense) } else { f64::INFINITY };
+        (1.0 - STEADY) * stress.min(yields)
     }
 }
 

@@ -123,9 +123,12 @@ pub(super) fn with_companions(scene: &Scene, method: Method) -> Vec<(Method, usi
     let mut grids = vec![(method, cells(scene, method))];
     let halves = std::iter::successors(Some(asked / 2), |cells| Some(cells / 2));
     for asked in halves.take_while(|&asked| asked >= FEWEST_CELLS) {
+        if grids.len() == most {
+            break;
+        }
         let (coarser, finest_yet) = (method.with_cells(asked), grids[grids.len() - 1].1);
         let cells = cells(scene, coarser);
-        if grids.len() < most && finest_yet as f64 >= LEAST_RATIO * cells as f64 {
+        if finest_yet as f64 >= LEAST_RATIO * cells as f64 {
             grids.push((coarser, cells));
         }
     }

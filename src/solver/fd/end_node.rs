@@ -42,7 +42,7 @@ pub struct EndNode {
     impulse: f64,
     /// Sum of |impulse| of the steps, the scale for the momentum residual.
     throughput: f64,
-    /// Latest steps in which the velocity followed from what holds the end, up to [`u8::MAX`].
+    /// For how many steps the velocity has followed from what holds the end, up to [`u8::MAX`].
     held_for: u8,
     /// What is at the end resists its motion more than the bar does.
     resists: bool,

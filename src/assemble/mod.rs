@@ -114,6 +114,15 @@ fn above_critical(scene: &Scene, fans: &[InitialFan]) -> [bool; 2] {
     [Origin::Left, Origin::Right].map(|end| all().any(|fan| fan.origin == end && fan.fan.above_critical))
 }
 
+/// The fan of a sudden load at t = 0 that strains the bar beyond the data of its curve at once, where bars start with the fans of their curves.
+/// The mean strain of a cell may stay below that, as under a light striker; that of the bar does not.
+pub fn starts_beyond_data(scene: &Scene) -> Option<InitialFan> {
+    let is_plain = along(&scene.bar, &scene.effects).is_none() && scene.effects.rupture.is_none();
+    let [left, right] = scene.ends_in_run();
+    let fans = if is_plain && follows_curves(scene) { starting_fans(&scene.bar, &left, &right) } else { Vec::new() };
+    fans.into_iter().find(|fan| fan.fan.beyond_data && fan.from == 0.0 && fan.holds_until > 0.0)
+}
+
 /// The fans with which leapfrog starts, and the sudden loads that it shows.
 fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialFan>, SuddenLoads) {
     let mut fans = match (follows_curves(scene), along.is_nothing()) {

@@ -1,5 +1,6 @@
 //! Termination of a run at the limits of the material data.
 
+use crate::assemble;
 use crate::error::{Error, RunError};
 use crate::law::{Limit, Passed, Reached};
 use crate::material::Material;
@@ -30,6 +31,14 @@ impl AtLimit {
     pub fn on_grid(passed: &Passed, centres: &[f64], dt: f64) -> Self {
         let Passed { cell, segment, step, reached } = *passed;
         Self { segment, time: step as f64 * dt, x: centres[cell], reached }
+    }
+
+    /// The end or joint that is suddenly loaded beyond the data at t = 0.
+    pub fn at_start(scene: &Scene) -> Option<Self> {
+        let fan = assemble::starts_beyond_data(scene)?;
+        let (limit, equivalent) = (Limit::EndOfData(fan.sense), fan.fan.strain);
+        let reached = Reached { limit, strain: fan.sense.sign() * equivalent, equivalent };
+        Some(Self { segment: fan.segment, time: 0.0, x: fan.x, reached })
     }
 
     fn material(self, scene: &Scene) -> &Material {

@@ -190,7 +190,10 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             self.bar.add_to(&mut self.traces);
             self.record()?;
         }
-        self.take_frames()
+        self.take_frames()?;
+        let scene = self.recorder.scene;
+        let stop = AtLimit::at_start(scene).filter(|limit| !self.resumed && limit.stops(scene));
+        stop.map_or(Ok(()), |stop| Err(self.stop_at(stop)))
     }
 
     /// Steps between two pauses: fixed multiples, so that a resumed run performs its checks at the same steps.
@@ -275,10 +278,13 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let due = self.bar.passed();
         self.limits.clear();
         self.limits.extend(due.in_order().map(|passed| AtLimit::on_grid(&passed, &self.centres, dt)));
-        let Some(stop) = self.limits.iter().find(|limit| limit.stops(scene)) else { return Ok(()) };
+        self.limits.iter().copied().find(|limit| limit.stops(scene)).map_or(Ok(()), |stop| Err(self.stop_at(stop)))
+    }
+
+    fn stop_at(&mut self, stop: AtLimit) -> Error {
         self.traces.drop_from(stop.time);
         self.stopped_at = Some(stop.time);
-        Err(stop.error(scene))
+        stop.error(self.recorder.scene)
     }
 
     fn check_finite(&self) -> Result<()> {

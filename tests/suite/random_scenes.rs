@@ -1,5 +1,5 @@
-//! What must hold for any scene that a user can write: drawn at random over the whole scene language, from another seed in every run.
-//! `BARWAVE_RANDOM_SEED` repeats a run, `BARWAVE_RANDOM_SCENES` sets how many scenes there are, and `BARWAVE_RANDOM_SCENE` repeats one scene.
+//! What must hold for any scene that a user can write: drawn at random over the whole scene language, other ones for every version of
+//! the sources. `BARWAVE_RANDOM_SEED` draws those of another seed, `BARWAVE_RANDOM_SCENES` sets how many scenes there are, and `BARWAVE_RANDOM_SCENE` repeats one scene.
 #![allow(
     clippy::format_push_string,
     clippy::struct_excessive_bools,
@@ -16,9 +16,10 @@ mod spec;
 mod watch;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 use checks::{Checked, Failure, check, check_by};
 use draw::Draw;
@@ -38,10 +39,26 @@ fn from_environment(name: &str) -> Option<u64> {
     Some(text.parse().unwrap_or_else(|e| panic!("{name}={text}: {e}")))
 }
 
+/// Of the sources: a version of the program draws the same scenes wherever and whenever it is tested, and the next version others.
 fn seed() -> u64 {
     from_environment("BARWAVE_RANDOM_SEED").unwrap_or_else(|| {
-        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_nanos() as u64 % 1_000_000_007)
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let mut hasher = crc32fast::Hasher::new();
+        for folder in ["src", "tests/suite/random_scenes"] {
+            hasher.update(&sources(&root.join(folder)));
+        }
+        u64::from(hasher.finalize())
     })
+}
+
+/// Contents of all files below a folder, by their paths.
+fn sources(folder: &Path) -> Vec<u8> {
+    let entries = std::fs::read_dir(folder).expect("the sources of the program");
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry of a folder").path()).collect();
+    paths.sort();
+    let inside =
+        |path: PathBuf| if path.is_dir() { sources(&path) } else { std::fs::read(&path).expect("a source file") };
+    paths.into_iter().flat_map(inside).collect()
 }
 
 /// A failing scene, with the seed that draws it alone.

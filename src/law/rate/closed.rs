@@ -149,7 +149,7 @@ impl Closed for PowerAboveOne {
         let flow = to_curve(width * ln_1p(grown), driven) / gain;
         // Far down, an exponential flows more than the power does down to its static curve.
         let is_near = (driven.rise > 0.0) | ((driven.rise < 0.0) & (fall * part <= 1.0) & (fall <= y - start));
-        (flow, is_fine & is_number & (end > least) & is_near)
+        (flow, is_fine & is_number & (end > least) & is_near & !driven.is_still(first))
     }
 
     #[inline(always)]

@@ -52,7 +52,13 @@ impl Block {
         self.stiffenings(law, if side == 0 { depth } else { self.sigma.len() - 1 - depth })
     }
 
-    /// Its cells inside shocks; `beside` are the [`Self::stiffenings_inside`] of both neighbours.
+    /// The same of the first (0) or the last (1) cell.
+    pub fn stiffenings_at_edge(&self, law: &SegmentLaw, side: usize) -> usize {
+        self.stiffenings(law, if side == 0 { 0 } else { self.sigma.len() - 1 })
+    }
+
+    /// Its cells inside shocks; `beside` are the [`Self::stiffenings_inside`] of both neighbours, where the segment ends
+    /// [`Self::stiffenings_at_edge`].
     pub fn find_shocks(&self, law: &SegmentLaw, beside: [usize; 2]) -> Option<InShock> {
         if self.reached <= law.first_stiffening() && beside == [0; 2] {
             return None;

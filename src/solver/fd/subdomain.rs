@@ -268,7 +268,7 @@ impl Subdomain<'_> {
             let other =
                 other.and_then(|other| self.blocks.get(other)).filter(|other| other.segment == self.blocks[k].segment);
             other.map_or_else(
-                || self.blocks[k].stiffenings_inside(law, 1 - side),
+                || self.blocks[k].stiffenings_at_edge(law, 1 - side),
                 |other| other.stiffenings_inside(law, side),
             )
         })

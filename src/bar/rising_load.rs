@@ -30,6 +30,12 @@ pub fn at_rising_load(jump: &InitialFan, end: &EndCondition, curve: &Curve, unti
         return None;
     }
     let pieces = pieces(history, [jump.from, until], dt, gone);
+    // It may fall in a jump just after a start that is rounded to before it.
+    let falls = |[before, after]: [f64; 2]| after < before - SAME * whole;
+    let falls_to_next = |pair: &[Piece]| falls([pair[0].gone[1], pair[1].gone[0]]);
+    if pieces.iter().any(|piece| falls(piece.gone)) || pieces.windows(2).any(falls_to_next) {
+        return None;
+    }
     let (mut edges, mut delays, mut ahead) = (Vec::new(), Vec::new(), 0.0);
     for edge in &jump.fan.edges {
         let jump = size(edge);

@@ -115,7 +115,7 @@ fn above_critical(scene: &Scene, fans: &[InitialFan]) -> [bool; 2] {
 }
 
 /// The fan of a sudden load at t = 0 that strains the bar beyond the data of its curve at once, where bars start with the fans of their curves.
-/// The mean strain of a cell may stay below that, as under a light striker; that of the bar does not.
+/// The mean strain of a cell may stay below that, as under a light striker; that of the end of the bar does not.
 pub fn starts_beyond_data(scene: &Scene) -> Option<InitialFan> {
     let is_plain = along(&scene.bar, &scene.effects).is_none() && scene.effects.rupture.is_none();
     let [left, right] = scene.ends_in_run();

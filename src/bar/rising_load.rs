@@ -25,15 +25,11 @@ pub fn at_rising_load(jump: &InitialFan, end: &EndCondition, curve: &Curve, unti
     let at_end = history.before(until);
     // What of its fan has left the end at a value of the load, from 0 to the whole.
     let gone = |value: f64| whole + sense * (value - at_end);
-    let begins = gone(history.at(jump.from));
-    if jump.fan.edges.iter().any(|edge| edge.is_shock(curve)) || begins < -SAME * whole || begins > whole {
-        return None;
-    }
     let pieces = pieces(history, [jump.from, until], dt, gone);
-    // It may fall in a jump just after a start that is rounded to before it.
-    let falls = |[before, after]: [f64; 2]| after < before - SAME * whole;
-    let falls_to_next = |pair: &[Piece]| falls([pair[0].gone[1], pair[1].gone[0]]);
-    if pieces.iter().any(|piece| falls(piece.gone)) || pieces.windows(2).any(falls_to_next) {
+    // A start that is rounded to before a jump does not hide that the load falls in it.
+    let course: Vec<f64> = std::iter::once(0.0).chain(pieces.iter().flat_map(|piece| piece.gone)).collect();
+    let falls = course.windows(2).any(|pair| pair[1] < pair[0] - SAME * whole);
+    if falls || gone(history.at(jump.from)) > whole || jump.fan.edges.iter().any(|edge| edge.is_shock(curve)) {
         return None;
     }
     let (mut edges, mut delays, mut ahead) = (Vec::new(), Vec::new(), 0.0);

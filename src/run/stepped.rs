@@ -191,9 +191,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             self.record()?;
         }
         self.take_frames()?;
-        let scene = self.recorder.scene;
-        let stop = AtLimit::at_start(scene).filter(|limit| !self.resumed && limit.stops(scene));
-        stop.map_or(Ok(()), |stop| Err(self.stop_at(stop)))
+        self.stop_at(if self.resumed { None } else { AtLimit::at_start(self.recorder.scene) })
     }
 
     /// Steps between two pauses: fixed multiples, so that a resumed run performs its checks at the same steps.
@@ -278,13 +276,16 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let due = self.bar.passed();
         self.limits.clear();
         self.limits.extend(due.in_order().map(|passed| AtLimit::on_grid(&passed, &self.centres, dt)));
-        self.limits.iter().copied().find(|limit| limit.stops(scene)).map_or(Ok(()), |stop| Err(self.stop_at(stop)))
+        self.stop_at(self.limits.iter().copied().find(|limit| limit.stops(scene)))
     }
 
-    fn stop_at(&mut self, stop: AtLimit) -> Error {
+    /// Stops at a limit beyond which nothing is known.
+    fn stop_at(&mut self, limit: Option<AtLimit>) -> Result<()> {
+        let scene = self.recorder.scene;
+        let Some(stop) = limit.filter(|limit| limit.stops(scene)) else { return Ok(()) };
         self.traces.drop_from(stop.time);
         self.stopped_at = Some(stop.time);
-        stop.error(self.recorder.scene)
+        Err(stop.error(scene))
     }
 
     fn check_finite(&self) -> Result<()> {

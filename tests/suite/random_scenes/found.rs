@@ -146,10 +146,11 @@ fn assert_mirrored(spec: &Spec) {
 }
 
 fn assert_mirrored_by(method: Method, spec: &Spec) {
-    let figures = |spec: &Spec| {
-        let scene = scene(&spec.text(method, 1));
-        follow(&scene, scene.solve.until, &mut Vec::new())
-    };
+    assert_alike(spec, |spec| figures_of(&spec.text(method, 1)).expect("it runs"));
+}
+
+/// A scene and its mirror image have mirrored figures.
+fn assert_alike(spec: &Spec, figures: impl Fn(&Spec) -> Figures) {
     let differs = figures(spec).mirrored().differs(&figures(&spec.mirrored()));
     assert!(differs.largest() < 1e-9, "{differs:?}");
 }
@@ -1636,8 +1637,8 @@ fn merging_keeps_to_the_curve_where_it_is_followed_both_ways() {
     assert!(yielded);
 }
 
-/// A curve that is drawn out, over a law of overstress by a power: what flows at a constant strain has a closed solution, from which that of a
-/// driven cell differs by its error. Which of the two the first cell took was decided by the last bit of its strain.
+/// By a law of overstress that is a power, what flows at a constant strain has a closed solution, from which that of a driven cell differs by its
+/// error. Which of the two the first cell took was decided by the last bit of its strain.
 #[test]
 fn the_rounding_of_a_constant_strain_decides_nothing() {
     let curve = "[[3.3e-4, 9.899999999990e5], [5.181e-4, 1.087623899999e6], [1.6962e-3, 1.667249099998e6], [5.5242e-3, 1.311679709999e7], \
@@ -1653,7 +1654,11 @@ fn the_rounding_of_a_constant_strain_decides_nothing() {
     let ends =
         [keys(&[("kind", same("\"fixed\""))]), keys(&[("kind", same("\"stress\"")), ("value", Value::number(-193e6))])];
     let rate = [("rate", same("{ model = \"cowper-symonds\", D = 831, q = 3.18 }"))];
-    assert_mirrored(&spec(vec![horn], ends, &rate, (2.57e-5, 80, 1.0)));
+    // What the grid gives to the bar is an error of first order, and another matter.
+    assert_alike(&spec(vec![horn], ends, &rate, (2.57e-5, 80, 1.0)), |spec| {
+        let scene = scene(&spec.text(Method::Leapfrog, 1));
+        follow(&scene, scene.solve.until, &mut Vec::new())
+    });
 }
 
 /// Whether a cell is inside a shock was looked up in every fourth one from the left, so that the last three of a bar never were: what the grid

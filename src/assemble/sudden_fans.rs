@@ -17,16 +17,20 @@ use crate::wave::similarity::fan_at_velocity;
 pub(super) const LATE_IN_LEAPFROG: f64 = 1e-3;
 pub(super) const LATE_IN_MUSCL: f64 = 0.05;
 
-/// Part of the time for which a fan is followed that it takes shape: its slowest front travels 6 cells. Where waves met one of 22 cells, the force at a
-/// joint was 27 % too large in the first step without a fan, and none was with it.
-const SHAPED: f64 = 0.25;
+/// Part of the time for which a fan is followed that it takes shape: its slowest front travels 3 cells. In random bars of up to three segments the largest
+/// force at the ends is 0.7 % wrong with 100 cells in the mean then, and 0.8 % where fans of less than 6 cells are left out; 2 cells gain nothing more.
+/// Where waves met a fan of 22 cells, the force at a joint was 27 % too large in the first step without one, and none was with it.
+const SHAPED: f64 = 0.125;
 
 /// Events in which front tracking looks for fans: some milliseconds.
 const EVENTS: u64 = 5000;
 
-/// Steps into which it divides loads that grow, as part of the largest stress. Such loads start no fans, but jumps may follow them, and finer steps
-/// would use up the events before.
+/// Steps into which it divides loads that grow or lessen, as part of the largest stress. Such loads start no fans, but jumps may follow them, and finer
+/// steps would use up the events before.
 const STEP: f64 = 0.01;
+
+/// Those with which it goes on where the events are used up with the others: the pulse of a light striker crosses the bar then.
+const COARSE_STEP: f64 = 0.1;
 
 /// Part of the time in which a wave crosses half a segment.
 const HARDLY_STARTED: f64 = 0.1;
@@ -49,16 +53,23 @@ pub(super) fn rise_within_steps(scene: &Scene, dt: f64) -> bool {
 
 /// The fans that front tracking finds in a scene up to a time, s; those of loads that rise within some steps of `dt` (s) as if these jumped.
 pub(super) fn tracked(scene: &Scene, dt: f64, until: f64) -> Vec<InitialFan> {
-    let settings =
-        Settings { event_budget: EVENTS, front_segments: true, ramp_step: Some(STEP), ..Settings::default() };
     let rises = Rises::new(scene, dt);
     let at_once = |origin: Origin, time: f64| {
         rises.until(origin, time).is_none() && (time == 0.0 || can_close(scene, origin) || jumps(scene, origin, time))
     };
+    let follow = |scene: &Scene, step: f64| {
+        let settings =
+            Settings { event_budget: EVENTS, front_segments: true, ramp_step: Some(step), ..Settings::default() };
+        front_tracking(scene, settings).later_fans(until, at_once)
+    };
     let jumping = jumping(scene, dt);
-    let mut fans = front_tracking(&jumping, settings).later_fans(until, at_once);
+    let (mut fans, known_until) = follow(&jumping, STEP);
     if let Some(holding) = holding(&jumping) {
-        let held = front_tracking(&holding, settings).later_fans(until, at_once);
+        if known_until < until {
+            let later = follow(&jumping, COARSE_STEP).0;
+            fans.extend(later.into_iter().filter(|fan| fan.from > known_until));
+        }
+        let held = follow(&holding, STEP).0;
         hold(&mut fans, held, &jumping);
     }
     fans

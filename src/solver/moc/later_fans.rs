@@ -26,13 +26,13 @@ type Visits = BTreeMap<(u64, usize), Visit>;
 impl FrontTracking {
     /// Follows the bar up to `until` (s), or as far as its event budget goes, and returns the plastic fans that start at ends and joints, in order of
     /// time, as long as only elastic waves of loads that start `at_once`, not of plastic fronts nor of loads that grow, have come there: those are sharp
-    /// on a grid. For settings that keep the front segments.
-    pub fn later_fans(mut self, until: f64, at_once: impl Fn(Origin, f64) -> bool) -> Vec<InitialFan> {
+    /// on a grid. With them the time (s) as far as which all are known, infinite for the whole run. For settings that keep the front segments.
+    pub fn later_fans(mut self, until: f64, at_once: impl Fn(Origin, f64) -> bool) -> (Vec<InitialFan>, f64) {
         // What is under way at the end of the run meets nothing in it.
         let end = match self.advance_to(until) {
             Ok(()) => f64::INFINITY,
             Err(Stopped::EventBudget { time, .. }) => time,
-            Err(_) => return Vec::new(),
+            Err(_) => return (Vec::new(), f64::INFINITY),
         };
         let mut fronts = self.take_front_segments();
         fronts.extend(self.living_front_segments());
@@ -62,7 +62,7 @@ impl FrontTracking {
             }
             came.extend(visit.arrive.iter().map(|&k| fronts[k].segment));
         }
-        found
+        (found, end)
     }
 
     fn visits(&self, fronts: &[FrontSegment]) -> Visits {

@@ -40,9 +40,10 @@ def study(name, budget):
     (KEPT / f"{name}.json").write_text(done.stdout)
 
 
-def time(seconds):
+def time(way):
+    seconds = way["step_wall_s"]
     if seconds is None:
-        return "not reached"
+        return way["how"]
     for unit, size in (("s", 1), ("ms", 1e-3), ("us", 1e-6)):
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
@@ -55,7 +56,7 @@ def times(studies):
         first = f"{study['scene']} | {study['reference']} ({study['reference_uncertainty']:.0e})"
         for scheme, order in study["orders"].items():
             ways = [r for r in study["reach"] if r["scheme"] == scheme]
-            cells = [("\u2264 " if r["how"] == "point" else "") + time(r["step_wall_s"]) for r in ways]
+            cells = [("\u2264 " if r["how"] == "point" else "") + time(r) for r in ways]
             shown = "" if order is None else f"{order:.2f}"
             lines.append("| " + " | ".join([first, scheme, shown, *cells]) + " |")
             first = " | "

@@ -309,10 +309,8 @@ fn text(cost: &Cost, written: Option<&Path>) -> String {
 fn orders(cost: &Cost) -> String {
     let line = |fit: &OrderFit| {
         let (scheme, against, points) = (&fit.scheme, fit.against.replace('_', " "), fit.fitted.len());
-        format!(
-            "order of {scheme}: {:.2} in {against}, {:.2} in computing time, over {points} points\n",
-            fit.order, fit.order_in_time
-        )
+        let in_time = fit.order_in_time.map_or_else(String::new, |order| format!(", {order:.2} in computing time"));
+        format!("order of {scheme}: {:.2} in {against}{in_time}, over {points} points\n", fit.order)
     };
     cost.order_fits.iter().map(line).collect()
 }
@@ -405,7 +403,7 @@ fn cheapest_table(cost: &Cost) -> String {
     let mut headings = vec!["error of", "cheapest"];
     headings.extend(&schemes);
     let how = |r: &CostToTolerance| match (r.how, r.step_wall_s) {
-        (_, None) => "not reached".to_owned(),
+        (how, None) => how.to_owned(),
         ("interpolated", time) => format!("{} ms", milliseconds(time)),
         (_, time) => format!("<= {} ms", milliseconds(time)),
     };
@@ -415,7 +413,7 @@ fn cheapest_table(cost: &Cost) -> String {
             (None, Some(tolerance)) => format!("tolerance {tolerance:.1e}"),
             (None, None) => String::new(),
         };
-        let name = best.scheme.as_deref().map_or_else(|| "none".into(), |s| format!("{s}, {}", at(best)));
+        let name = best.scheme.as_deref().map_or_else(|| best.how.into(), |s| format!("{s}, {}", at(best)));
         let mut cells = vec![format!("{} %", 100.0 * best.tolerance), name];
         for scheme in &schemes {
             let own = cost.reach.iter().find(|r| r.tolerance == best.tolerance && r.scheme.as_deref() == Some(scheme));

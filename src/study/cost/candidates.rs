@@ -1,8 +1,9 @@
-//! Candidates for a reference where none is exact: front tracking and the finest grid, refined in turn. The next refinement is that
-//! with the smallest expected uncertainty in the remaining time.
+//! Candidates for a reference where none is exact: front tracking and grids, refined in turn. The next refinement is that with
+//! the smallest expected uncertainty in the remaining time. What a candidate says of its own error is checked against the others.
 
 use super::Instants;
 use super::measure::{self, Pass, Wanted, Watch};
+use super::reference::ROUNDING;
 use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
 use crate::error::Result;
@@ -25,6 +26,14 @@ const FRONT_GROWTH: f64 = 4.0;
 const MOST_GROWTH: f64 = 15.0;
 /// Orders that are believed of a reference: where waves are elastic or smooth they are higher, and it is surer than it says.
 const ORDERS: [f64; 2] = [0.5, 1.0];
+/// A difference that fell faster than by this order did so by chance: two grids can be off by the same.
+const HIGHEST_ORDER: f64 = 2.0;
+/// Orders that show that a method converges. Differences that grow, or vanish, show nothing: all grids can be off by the same.
+pub(super) const SHOWN_ORDERS: [f64; 2] = [0.25, 3.0];
+/// Runs of a candidate before any is preferred; a grid has one more, so that it shows an order, where that takes no more than this
+/// share of the time left.
+const FIRST_RUNS: usize = 2;
+const THIRD_SHARE: f64 = 0.25;
 
 /// What a candidate is.
 pub(super) enum Kind<'a> {
@@ -61,13 +70,46 @@ impl<'a> Candidate<'a> {
         Self { kind: Kind::Grid { index, family }, runs: Vec::new(), measure, out: false }
     }
 
-    /// How far the finest run may be off, relative L1: what the last difference leaves, by the order seen in three runs or the
-    /// lowest one. None for fewer than two runs.
+    /// How far the finest run may be off by its own account: what the last difference leaves, by the order seen in three runs or
+    /// the lowest one. None for fewer than two runs that approximate.
     pub fn uncertainty(&self) -> Option<f64> {
+        if self.runs.last().and_then(|run| run.pass.tracked).is_some_and(|bar| bar.exact) {
+            return Some(0.0);
+        }
         let [.., before, last] = &self.runs[..] else { return None };
-        let near = self.apart(before, last)?;
         let ratio = last.fineness / before.fineness;
+        let far = if let [first, _, _] = &self.runs[..] { self.apart(first, before)? } else { 0.0 };
+        let near = self.apart(before, last)?.max(far / ratio.powf(HIGHEST_ORDER));
         Some(near / (ratio.powf(self.order()) - 1.0))
+    }
+
+    /// The uncertainty beside the others. Front tracking that converges needs no witness: it solves the tabulated curve itself. A
+    /// grid may converge to something else: another method contradicts it by what the estimates of both do not explain, and by
+    /// all that they differ where the grid shows no order.
+    fn stated(&self, others: &[Candidate<'_>]) -> Option<f64> {
+        let own = self.uncertainty()?;
+        let shown = self.seen_order();
+        if self.tracks() && (own == 0.0 || shown.is_some_and(|order| order >= ORDERS[0])) {
+            return Some(own);
+        }
+        let shows = own > ROUNDING && shown.is_some_and(|order| (SHOWN_ORDERS[0]..=SHOWN_ORDERS[1]).contains(&order));
+        let against = others.iter().filter(|other| !std::ptr::eq(*other, self)).filter_map(|other| {
+            let (apart, theirs) = (self.apart_from(other)?, other.uncertainty());
+            let explained = shows && theirs.is_some_and(|theirs| apart <= own + theirs);
+            (!explained).then_some(apart)
+        });
+        Some(against.fold(own, f64::max))
+    }
+
+    fn tracks(&self) -> bool {
+        matches!(self.kind, Kind::Fronts { .. })
+    }
+
+    /// Difference of the finest runs of two candidates. The steps of a grid are among the instants of tracked fronts.
+    fn apart_from(&self, other: &Candidate<'_>) -> Option<f64> {
+        let (pass, reference) = if self.tracks() { (other, self) } else { (self, other) };
+        let [pass, reference] = [pass.runs.last()?, reference.runs.last()?];
+        self.apart(pass, reference)
     }
 
     fn apart(&self, coarser: &Run, finer: &Run) -> Option<f64> {
@@ -75,10 +117,15 @@ impl<'a> Candidate<'a> {
     }
 
     fn order(&self) -> f64 {
-        let [first, before, last] = &self.runs[..] else { return ORDERS[0] };
-        let (Some(far), Some(near)) = (self.apart(first, before), self.apart(before, last)) else { return ORDERS[0] };
+        self.seen_order().unwrap_or(ORDERS[0]).clamp(ORDERS[0], ORDERS[1])
+    }
+
+    /// Order by which the last difference is smaller than the one before; infinite where only that is 0.
+    fn seen_order(&self) -> Option<f64> {
+        let [first, before, last] = &self.runs[..] else { return None };
+        let (far, near) = (self.apart(first, before)?, self.apart(before, last)?);
         let seen = (far / near).ln() / (last.fineness / before.fineness).ln();
-        if seen.is_nan() { ORDERS[0] } else { seen.clamp(ORDERS[0], ORDERS[1]) }
+        (!seen.is_nan()).then_some(seen)
     }
 
     /// How finely the next run works; none where there is no finer one.
@@ -99,6 +146,16 @@ impl<'a> Candidate<'a> {
             (_, [.., before, last]) => (last.pass.seconds / before.pass.seconds).clamp(FRONT_GROWTH, MOST_GROWTH),
             _ => FRONT_GROWTH,
         }
+    }
+
+    /// It is not to be judged by the runs that it has, with so much time left, s.
+    fn is_young(&self, left: f64) -> bool {
+        let third = |last: &Run| self.growth() * last.pass.seconds <= THIRD_SHARE * left;
+        let enough = match self.runs.len() {
+            FIRST_RUNS => self.tracks() || !self.runs.last().is_some_and(third),
+            runs => runs > FIRST_RUNS,
+        };
+        !self.out && !enough
     }
 
     /// The uncertainty to which it is expected to get in this time, s; infinite where nothing more fits into it.
@@ -191,6 +248,14 @@ fn fronts(
     measure::pass(scene, Wanted { instants: &instants.own, settings: Some(settings) }, watch)
 }
 
+/// The candidate that is uncertain by the least beside all others, and by how much.
+pub(super) fn surest(candidates: &[Candidate<'_>]) -> Option<(usize, f64)> {
+    let known = candidates.iter().enumerate().filter_map(|(k, c)| Some((k, c.stated(candidates)?, c.uncertainty()?)));
+    // Two that contradict each other are as uncertain.
+    let best = known.min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.total_cmp(&b.2)));
+    best.map(|(k, stated, _)| (k, stated))
+}
+
 /// Refines the candidates in the watch's time; what stopped them, where the user did.
 pub(super) fn race(
     candidates: &mut [Candidate<'_>],
@@ -199,19 +264,19 @@ pub(super) fn race(
     watch: &mut Watch<'_>,
 ) -> Result<Option<Halt>> {
     loop {
-        let best = candidates.iter().filter_map(Candidate::uncertainty).fold(f64::INFINITY, f64::min);
+        let best = surest(candidates).map_or(f64::INFINITY, |(_, uncertainty)| uncertainty);
         let left = watch.until - watch.now();
-        if best <= SURE || left <= 0.0 {
+        if left <= 0.0 {
             return Ok(None);
         }
-        // Two runs of each come first, those of grids before those of fronts, which may not end.
-        let young = |r: &&mut Candidate<'_>| !r.out && r.runs.len() < 2;
-        let next = if let Some(young) = candidates.iter_mut().rev().find(young) {
+        // The first runs of each come first, those of grids before those of fronts, which may not end.
+        let young = candidates.iter_mut().rev().filter(|candidate| candidate.is_young(left));
+        let next = if let Some(young) = young.min_by_key(|candidate| candidate.runs.len()) {
             Some(young)
         } else {
             let promise = |r: &Candidate<'_>| if r.out { f64::INFINITY } else { r.promise(left) };
             let next = candidates.iter_mut().min_by(|a, b| promise(a).total_cmp(&promise(b)));
-            next.filter(|r| promise(r) < best)
+            next.filter(|r| best > SURE && promise(r) < best)
         };
         let Some(next) = next else { return Ok(None) };
         if let Err(halt) = next.run_next(source, instants, watch)? {
@@ -250,6 +315,71 @@ mod tests {
         assert!((uncertainty(0.7) / slow - 1.0).abs() < 2e-3, "{} {slow}", uncertainty(0.7));
         let last = 1e-3 * (0.25 - 0.0625);
         assert!((uncertainty(2.0) / last - 1.0).abs() < 2e-3, "{} {last}", uncertainty(2.0));
+    }
+
+    /// Runs of a method that converges to `limit` with these errors.
+    fn fronts(limit: f64, errors: &[f64]) -> Candidate<'static> {
+        let scene = Scene::parse("bar.toml", SCENE, std::path::Path::new(""), &[]).expect("a scene");
+        let mut candidate = Candidate::of_fronts(scene, None, Measure::Field);
+        candidate.runs =
+            errors.iter().zip([1e2, 3e2, 9e2]).map(|(error, fineness)| run(fineness, limit + error, 1.0)).collect();
+        candidate
+    }
+
+    const SCENE: &str = r#"
+[bar]
+length = "1 m"
+material = "copper-annealed"
+[left]
+kind = "velocity"
+value = "-30 m/s"
+[right]
+kind = "free"
+[effects]
+[solve]
+until = "1 ms"
+"#;
+
+    #[test]
+    fn grids_that_are_all_off_by_the_same_are_no_reference_beside_another_method() {
+        let family =
+            Family { choice: crate::scene::MethodChoice::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
+        // No differences between the grids, which overshoot by 4 %: not even a coarse run lets that stand.
+        let mut blind = grid(&family, 1.0, [1.0; 3]);
+        blind.runs = [400.0, 800.0, 1600.0].map(|cells| run(cells, 0.04, 1.0)).into();
+        let coarse = [fronts(0.0, &[0.1, 0.05]), blind];
+        let (_, uncertainty) = surest(&coarse).expect("two runs of each");
+        assert!(uncertainty > 9e-3, "{uncertainty}");
+        // Front tracking that converges is believed.
+        let [_, blind] = coarse;
+        let (index, uncertainty) = surest(&[blind, fronts(0.0, &[9e-4, 3e-4, 1e-4])]).expect("three runs of each");
+        assert!(index == 1 && uncertainty < 3e-4, "{index}: {uncertainty}");
+    }
+
+    #[test]
+    fn what_the_estimates_of_two_methods_do_not_explain_is_uncertain() {
+        let family =
+            Family { choice: crate::scene::MethodChoice::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
+        // Two grids of first order with limits that are 1 % apart, and with the same limit.
+        let near = grid(&family, 1.0, [1.0; 3]);
+        let mut far = grid(&family, 1.0, [1.0; 3]);
+        far.runs = [1.0, 2.0, 4.0].map(|finer| run(400.0 * finer, 0.01 + 2e-3 / finer, 1.0)).into();
+        let (_, uncertainty) = surest(&[near, far]).expect("three runs of each");
+        assert!((uncertainty / 0.01 - 1.0).abs() < 0.1, "{uncertainty}");
+        let [near, mut far] = [grid(&family, 1.0, [1.0; 3]), grid(&family, 1.0, [1.0; 3])];
+        far.runs = [1.0, 2.0, 4.0].map(|finer| run(400.0 * finer, 2e-3 / finer, 1.0)).into();
+        let own = near.uncertainty();
+        assert_eq!(surest(&[far, near]), own.map(|own| (1, own)));
+    }
+
+    #[test]
+    fn two_grids_that_agree_by_chance_are_as_uncertain_as_the_one_before_leaves() {
+        let family =
+            Family { choice: crate::scene::MethodChoice::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
+        let mut chance = grid(&family, 1.0, [1.0; 3]);
+        chance.runs = vec![run(400.0, 4e-3, 1.0), run(800.0, 1e-3, 1.0), run(1600.0, 1e-3, 1.0)];
+        let uncertainty = chance.uncertainty().expect("three runs");
+        assert!((uncertainty / (3e-3 / 4.0) - 1.0).abs() < 1e-2, "{uncertainty}");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::candidates::SHOWN_ORDERS;
 use super::{CostPoint, Resolution};
 
 /// Tolerances of the summary of costs.
@@ -9,10 +10,15 @@ pub const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
 /// Points count for an order where their error is at least so many times what the reference is uncertain by.
 const CLEAR: f64 = 3.0;
+/// An error that falls by less than this order does not fall.
+const LEAST_ORDER: f64 = 0.01;
 /// Local orders that differ by no more than this from the finest one belong to the asymptotic part.
 const ALIKE: f64 = 0.35;
 /// Most points of a fit.
 const MOST_FITTED: usize = 5;
+
+/// How a tolerance is told that the reference cannot decide on.
+const UNDECIDED: &str = "not decidable";
 
 /// An observed order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,8 +31,8 @@ pub struct OrderFit {
     pub order: f64,
     /// "cells" or "`front_tolerance`".
     pub against: &'static str,
-    /// Exponent q of error ~ time^-q over the same points.
-    pub order_in_time: f64,
+    /// Exponent q of error ~ time^-q over the same points; null where finer points took no longer.
+    pub order_in_time: Option<f64>,
     /// Resolutions of the points that were fitted.
     pub fitted: Vec<f64>,
     /// How the points were chosen.
@@ -50,7 +56,8 @@ pub struct CostToTolerance {
     pub front_tolerance: Option<f64>,
     /// Stepping time, s.
     pub step_wall_s: Option<f64>,
-    /// "interpolated" between two points, at the "point" itself where the coarsest one does already, or "not reached".
+    /// "interpolated" between two points, at the "point" itself where the coarsest one does already, "not reached", or "not decidable":
+    /// the reference is not certain enough to tell.
     pub how: &'static str,
     /// The first point of the refinement that meets it: index into the points.
     pub point: Option<usize>,
@@ -83,7 +90,7 @@ pub(super) fn exponent(points: &[(f64, f64)]) -> Option<f64> {
 }
 
 /// Observed order of one method over the asymptotic part of its points, coarse to fine; none where that is no more than
-/// one point. `uncertainty` is that of the reference.
+/// one point, or where the error does not fall. `uncertainty` is that of the reference.
 pub(super) fn order(points: &[&CostPoint], uncertainty: f64) -> Option<OrderFit> {
     let first = points.first()?;
     let clear: Vec<&CostPoint> = points
@@ -104,12 +111,13 @@ pub(super) fn order(points: &[&CostPoint], uncertainty: f64) -> Option<OrderFit>
         Resolution::Cells(_) => ("cells", fineness),
         Resolution::FrontTolerance(_) => ("front_tolerance", |p| 1.0 / fineness(p)),
     };
+    let falls = |order: &f64| *order >= LEAST_ORDER;
     Some(OrderFit {
         method: first.by.method.clone(),
         scheme: first.by.scheme.clone(),
-        order: -by(&fineness)?,
+        order: by(&fineness).map(|exponent| -exponent).filter(falls)?,
         against,
-        order_in_time: -by(&|p| p.step_wall_s)?,
+        order_in_time: by(&|p| p.step_wall_s).map(|exponent| -exponent).filter(falls),
         fitted: fitted.iter().map(|p| value(p)).collect(),
         how: format!(
             "least squares of logarithms over the {} finest points whose error is more than {CLEAR} times the reference's \
@@ -117,6 +125,24 @@ pub(super) fn order(points: &[&CostPoint], uncertainty: f64) -> Option<OrderFit>
             fitted.len()
         ),
     })
+}
+
+/// Points of another method that tell that the reference, a run on a grid, is off: over so many the error no longer falls.
+const STALLED: usize = 3;
+
+/// The uncertainty of a reference that is a run of family `own` itself, beside the points of all families: another method that
+/// comes to an end elsewhere contradicts it by what is left there.
+pub(super) fn contradicted(points: &[Vec<CostPoint>], own: usize, uncertainty: f64) -> f64 {
+    let others = points.iter().enumerate().filter(|(family, _)| *family != own).map(|(_, points)| points);
+    let left = others.filter_map(|points| {
+        let finest = &points[points.len().checked_sub(STALLED)?..];
+        let falls = |pair: &[CostPoint]| {
+            let pair = [&pair[0], &pair[1]].map(|point| (fineness(point), point.error));
+            exponent(&pair).is_none_or(|exponent| -exponent >= SHOWN_ORDERS[0])
+        };
+        (!finest.windows(2).any(falls)).then(|| finest.last().map_or(0.0, |point| point.error))
+    });
+    left.fold(uncertainty, f64::max)
 }
 
 /// Which points no other one beats in both stepping time and error. Errors count as no smaller than the reference's
@@ -140,6 +166,7 @@ pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty:
     let (method, scheme) = names.unzip();
     // From here on every finer point holds it: one that meets it by chance does not count.
     let Some(k) = (0..points.len()).find(|&k| points[k..].iter().all(|(_, p)| bound(p) <= tolerance)) else {
+        let undecided = points.last().is_some_and(|(_, p)| p.error - uncertainty <= tolerance);
         return CostToTolerance {
             tolerance,
             method,
@@ -147,7 +174,7 @@ pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty:
             cells: None,
             front_tolerance: None,
             step_wall_s: None,
-            how: "not reached",
+            how: if undecided { UNDECIDED } else { "not reached" },
             point: None,
             error: None,
             whole_wall_s: None,
@@ -186,7 +213,12 @@ pub(super) fn cheapest(all: &[CostToTolerance], tolerance: f64) -> CostToToleran
     let reached = all.iter().filter(|r| r.tolerance == tolerance && r.step_wall_s.is_some());
     let time = |r: &CostToTolerance| r.step_wall_s.unwrap_or(f64::INFINITY);
     let best = reached.min_by(|a, b| time(a).total_cmp(&time(b)));
-    best.cloned().unwrap_or_else(|| CostToTolerance { method: None, scheme: None, ..reach(&[], tolerance, 0.0) })
+    let none = || {
+        let undecided = all.iter().find(|r| r.tolerance == tolerance && r.how == UNDECIDED);
+        let none = undecided.cloned().unwrap_or_else(|| reach(&[], tolerance, 0.0));
+        CostToTolerance { method: None, scheme: None, ..none }
+    };
+    best.cloned().unwrap_or_else(none)
 }
 
 #[cfg(test)]
@@ -209,7 +241,7 @@ mod tests {
         let all: Vec<_> = points.iter().collect();
         let fit = order(&all, 0.0).expect("there are points");
         assert!((fit.order - 0.66).abs() < 1e-12, "{}", fit.order);
-        assert!((fit.order_in_time - 0.33).abs() < 1e-12);
+        assert!((fit.order_in_time.expect("finer points take longer") - 0.33).abs() < 1e-12);
         assert_eq!(fit.fitted, [400.0, 800.0, 1600.0, 3200.0]);
     }
 
@@ -223,6 +255,40 @@ mod tests {
         assert!((fit.order - 1.0).abs() < 1e-12, "{}", fit.order);
         assert_eq!(*fit.fitted.last().expect("a point"), 1600.0);
         assert!(order(&all, 1.0).is_none());
+    }
+
+    #[test]
+    fn an_error_that_does_not_fall_has_no_order() {
+        for errors in [[1e-4, 1e-4, 1e-4], [1e-4, 2e-4, 5e-4]] {
+            let points = [100, 200, 400].map(|n| point(n, 0.0, 1e-8 * (n * n) as f64));
+            let points: Vec<_> = points.into_iter().zip(errors).map(|(p, error)| CostPoint { error, ..p }).collect();
+            assert_eq!(order(&points.iter().collect::<Vec<_>>(), 1e-12), None, "{errors:?}");
+        }
+        // Finer points that took less time have an order in cells alone.
+        let points = [point(100, 1e-2, 2e-3), point(200, 5e-3, 1e-3)];
+        let fit = order(&points.iter().collect::<Vec<_>>(), 1e-12).expect("it falls");
+        assert!((fit.order - 1.0).abs() < 1e-12 && fit.order_in_time.is_none(), "{fit:?}");
+    }
+
+    #[test]
+    fn a_method_that_comes_to_an_end_elsewhere_contradicts_the_reference() {
+        let of = |errors: &[f64]| -> Vec<CostPoint> {
+            errors.iter().enumerate().map(|(k, &error)| point(100 << k, error, 1.0)).collect()
+        };
+        let own = of(&[1e-5, 1e-5, 1e-5]);
+        let against = |errors: &[f64]| contradicted(&[own.clone(), of(errors)], 0, 1e-7);
+        assert_eq!(against(&[4e-4, 1e-4, 5e-5, 4.9e-5, 4.8e-5]), 4.8e-5);
+        assert_eq!(against(&[4e-4, 2e-4, 1e-4]), 1e-7);
+        assert_eq!(against(&[1e-4, 1e-4]), 1e-7);
+    }
+
+    #[test]
+    fn what_the_reference_cannot_tell_is_not_decidable_for_the_cheapest_either() {
+        let points = [point(100, 0.1, 1.0), point(200, 0.0001, 4.0)];
+        let all: Vec<_> = points.iter().enumerate().collect();
+        let best = |tolerance, uncertainty| cheapest(&[reach(&all, tolerance, uncertainty)], tolerance);
+        assert_eq!((best(1e-3, 1e-2).how, best(1e-3, 1e-2).scheme), ("not decidable", None));
+        assert_eq!(best(1e-5, 1e-12).how, "not reached");
     }
 
     #[test]
@@ -246,8 +312,9 @@ mod tests {
         assert_eq!(reach(&all, 0.3, 0.0).step_wall_s, Some(1.0));
         assert_eq!(reach(&all, 0.01, 0.0).how, "not reached");
         // Neither below the reference's uncertainty nor just above it is anything known to be reached.
-        assert_eq!(reach(&all, 0.03, 0.04).how, "not reached");
-        assert_eq!(reach(&all, 0.03, 0.01).how, "not reached");
+        assert_eq!(reach(&all, 0.03, 0.04).how, "not decidable");
+        assert_eq!(reach(&all, 0.03, 0.01).how, "not decidable");
+        assert_eq!(reach(&all, 0.01, 0.01).how, "not reached");
         assert_eq!(reach(&all, 0.04, 0.01).how, "interpolated");
     }
 

@@ -124,7 +124,12 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     let levels: Vec<&[Resolution]> =
         families.iter().enumerate().map(|(k, family)| below_reference(&reference, k, &family.levels)).collect();
     let (left, mut interrupted) = refinement::refine(&levels, LADDERS_BY * budget, &measure::passes, &mut bench);
-    let Bench { points, mut watch, .. } = bench;
+    let Bench { mut points, mut watch, .. } = bench;
+    let own = reference.uncertainty;
+    let uncertainty = reference.grid.map_or(own, |(family, _)| judge::contradicted(&points, family, own));
+    for point in points.iter_mut().flatten() {
+        point.below_reference = point.error <= uncertainty;
+    }
     let (mut effects, mut growth) = (Vec::new(), resolution_growth(&families, &points, scene));
     if !interrupted {
         watch.until = EFFECTS_BY * budget;
@@ -147,7 +152,7 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     let mut cost = Cost {
         scene: scene.title.clone(),
         reference: reference.name.clone(),
-        reference_uncertainty: reference.uncertainty,
+        reference_uncertainty: uncertainty,
         measure: hooks.measure.describe(),
         points: points.into_iter().flatten().collect(),
         orders: serde_json::Map::new(),

@@ -18,7 +18,8 @@ pub(super) const ROUNDING: f64 = 1e-12;
 pub(super) struct Reference {
     /// In words.
     pub name: String,
-    /// What the difference of the two finest runs leaves, or rounding, in the measure of the study.
+    /// What the difference of the two finest runs leaves, or another method contradicts it by, or rounding; in the measure of the
+    /// study.
     pub uncertainty: f64,
     /// Where a run of the scheme itself is the reference: the family and its cells.
     pub grid: Option<(usize, usize)>,
@@ -70,20 +71,20 @@ pub(super) fn find(
             Err(halt) => return Ok(Err(halt)),
         }
     }
-    if let Some((index, family)) = grid_family(scene, families) {
-        candidates.push(Candidate::of_grid(index, family, instants.measure));
-    }
+    // Two methods at least, of which one can be off where the other is not.
+    let grids = grid_families(scene, families).take(if candidates.is_empty() { 2 } else { 1 });
+    candidates.extend(grids.map(|(index, family)| Candidate::of_grid(index, family, instants.measure)));
     if let Some(halt) = candidates::race(&mut candidates, source, instants, watch)? {
         return Ok(Err(halt));
     }
-    let known = candidates.into_iter().filter(|r| r.uncertainty().is_some());
-    let best = known.min_by(|a, b| a.uncertainty().unwrap_or(0.0).total_cmp(&b.uncertainty().unwrap_or(0.0)));
-    Ok(best.and_then(of_rival).ok_or(Halt::OutOfTime))
+    let best = candidates::surest(&candidates);
+    let best = best.and_then(|(k, uncertainty)| of_rival(candidates.swap_remove(k), uncertainty));
+    Ok(best.ok_or(Halt::OutOfTime))
 }
 
 /// The finest run of a candidate.
-fn of_rival(mut candidate: Candidate<'_>) -> Option<Reference> {
-    let uncertainty = candidate.uncertainty()?.max(ROUNDING);
+fn of_rival(mut candidate: Candidate<'_>, uncertainty: f64) -> Option<Reference> {
+    let uncertainty = uncertainty.max(ROUNDING);
     let Run { fineness, pass } = candidate.runs.pop()?;
     let tolerance = 1.0 / fineness;
     Some(match candidate.kind {
@@ -98,12 +99,18 @@ fn of_rival(mut candidate: Candidate<'_>) -> Option<Reference> {
     })
 }
 
-/// The net where there is one, else leapfrog, else what there is.
-fn grid_family<'a>(scene: &Scene, families: &'a [Family]) -> Option<(usize, &'a Family)> {
-    let grids = || families.iter().enumerate().filter(|(_, f)| matches!(f.levels[0], Resolution::Cells(_)));
-    let named = |name: &str| grids().find(|(_, f)| f.names[1] == name);
-    let net = named("characteristic-net").filter(|_| !tapers(scene));
-    net.or_else(|| named("leapfrog")).or_else(|| grids().next())
+/// Grids, the one that is preferred first: the net, then leapfrog, then what there is.
+fn grid_families<'a>(scene: &Scene, families: &'a [Family]) -> impl Iterator<Item = (usize, &'a Family)> {
+    let rank = |family: &Family| match family.names[1] {
+        "characteristic-net" if tapers(scene) => 3,
+        "characteristic-net" => 0,
+        "leapfrog" => 1,
+        _ => 2,
+    };
+    let grids = families.iter().enumerate().filter(|(_, f)| matches!(f.levels[0], Resolution::Cells(_)));
+    let mut grids: Vec<_> = grids.collect();
+    grids.sort_by_key(|(_, family)| rank(family));
+    grids.into_iter()
 }
 
 /// The section changes along the bar: methods by characteristics make a staircase of it.

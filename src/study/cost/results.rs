@@ -15,7 +15,8 @@ pub struct Cost {
     pub scene: String,
     /// What errors are measured against.
     pub reference: String,
-    /// Difference of the two finest references in the same measure, or rounding where the reference is exact.
+    /// What the difference of the two finest references leaves in the same measure, or another method contradicts it by, or
+    /// rounding where the reference is exact.
     pub reference_uncertainty: f64,
     /// What `error` is.
     pub measure: &'static str,

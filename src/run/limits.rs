@@ -1,7 +1,7 @@
 //! Termination of a run at the limits of the material data.
 
 use crate::assemble;
-use crate::error::{Error, RunError};
+use crate::error::{Error, Result, RunError};
 use crate::law::{Limit, Passed, Reached};
 use crate::material::Material;
 use crate::record::{self, AuditRow, Stepped};
@@ -61,6 +61,15 @@ impl AtLimit {
         let Limit::EndOfData(sense) = self.reached.limit else { return None };
         (!self.stops(scene)).then(|| record::past_data(sense, self.time, self.x, self.material(scene)))
     }
+}
+
+/// Before anything is tried of a scene: every run of it would stop at t = 0.
+///
+/// # Errors
+/// A sudden load strains the bar beyond the data of its curve at once.
+pub(crate) fn check_start(scene: &Scene) -> Result<()> {
+    let stop = AtLimit::at_start(scene).filter(|limit| limit.stops(scene));
+    stop.map_or(Ok(()), |limit| Err(limit.error(scene)))
 }
 
 /// Where a bar on a grid came to a limit, in the order of time.

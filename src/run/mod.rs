@@ -52,6 +52,7 @@ use crate::solver::moc::Settings;
 pub use auto::choose;
 pub use choice::predict;
 pub use estimate::estimate;
+pub(crate) use limits::check_start;
 pub use trial::{Trial, trial};
 
 /// How far a run is.

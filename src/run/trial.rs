@@ -1,7 +1,7 @@
 //! How long the solver takes for a run on this machine: tried out, from the start of the run and a coarse run of the same scene.
 
 use super::history_places;
-use super::limits::limits;
+use super::limits::{check_start, limits};
 use crate::assemble;
 use crate::record::{Stepped, Traces};
 use crate::scene::{Method, Scene};
@@ -161,7 +161,8 @@ impl assemble::Task for Task<'_> {
         let next = move |bar: &_| (Stepped::step(bar) + (steps / LOOKS).max(1)).min(steps);
         let at = move |bar: &_| (Stepped::step(bar) as f64 / steps as f64, 0);
         let stops = |bar: &_| limits(bar).iter().any(|limit| limit.stops(scene));
-        Tried { bar, log, next, at, stops, work: u64::MAX, course: Course::default() }.course()
+        let course = Course { ended: check_start(scene).is_err(), ..Course::default() };
+        Tried { bar, log, next, at, stops, work: u64::MAX, course }.course()
     }
 
     fn by_fronts(self, settings: Settings) -> Course {

@@ -218,6 +218,7 @@ fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) ->
              progress; method, grid and time below are those of the scene without a tolerance"
                 .into()
         }
+        Err(Error::Run(error)) => error.reason,
         Ok(None) | Err(_) => "no method is expected to reach the tolerance".into(),
     };
     Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))

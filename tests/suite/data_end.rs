@@ -71,6 +71,27 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
+/// The search for a method ran its pilots past the data first, and the run that it led to stopped at once.
+#[test]
+fn a_load_beyond_the_data_at_t_0_is_told_before_a_method_is_searched_for() {
+    let folder = folder();
+    let bar = format!("length = \"0.5 m\", diameter = \"10 mm\", material = {SHORT}");
+    let ends = [r#"kind = "striker", mass = "0.2 kg", velocity = "90 m/s""#, r#"kind = "fixed""#];
+    let scene = scene(("any method", "tolerance = 0.05", r#"hardening = "isotropic""#), &bar, ends, "400 us");
+    let told = |text: &str| assert!(text.contains("end of the data of short"), "{text}");
+    let text = stopped(folder.path(), &scene);
+    assert!(text.contains("t = 0.000000e0 s"), "{text}");
+    told(&text);
+    assert!(!folder.path().join("out.h5").exists(), "no run began: {text}");
+    let plan = of(folder.path(), &["plan", "--json"], &scene);
+    let plan: Value = serde_json::from_slice(&plan.stdout).expect("one JSON value");
+    told(plan["choice"]["how"].as_str().expect("a sentence"));
+    let fixed = scene.replace("tolerance = 0.05", "cells = 400");
+    let cost = of(folder.path(), &["cost", "--budget", "1s"], &fixed);
+    assert_eq!(cost.status.code(), Some(1));
+    told(&String::from_utf8_lossy(&cost.stderr));
+}
+
 /// A Taylor cylinder: copper, 25.4 mm long, 7.62 mm thick, onto a wall.
 fn taylor(solver: (&str, &str, &str), velocity: u32) -> String {
     let bar = format!(

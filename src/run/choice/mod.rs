@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use self::candidate::{Candidate, FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, MOST_TIME, Pilot};
 use self::pilots::{contradiction, front_pilot, grid_pilot};
+use super::limits::check_start;
 use super::tracked::OUT_OF_EVENTS;
 use super::{Progress, Target, on_target};
 use crate::error::{Error, Result, RunError};
@@ -46,9 +47,11 @@ pub(super) fn run(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
     let Some(asked) = &scene.solve.tolerance else { return on_target(scene, &target, progress) };
-    let mut attempt = match target.chosen.attempt.take() {
-        Some(resumed) => resumed,
-        None => Attempt::new(scene, asked.value, candidates(scene, asked), 0, progress)?,
+    let mut attempt = if let Some(resumed) = target.chosen.attempt.take() {
+        resumed
+    } else {
+        check_start(scene)?;
+        Attempt::new(scene, asked.value, candidates(scene, asked), 0, progress)?
     };
     loop {
         let next = target.anew();
@@ -125,12 +128,13 @@ impl Attempt {
 /// the run itself. None where the scene names its method.
 ///
 /// # Errors
-/// No method gets there, or [`Error::Interrupted`] if `progress` requests a stop.
+/// No method gets there, the run stops at t = 0, or [`Error::Interrupted`] if `progress` requests a stop.
 pub fn predict(
     scene: &Scene,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<(Method, String)>> {
     let Some(asked) = &scene.solve.tolerance else { return Ok(None) };
+    check_start(scene)?;
     let mut candidates = candidates(scene, asked);
     let (winner, finer) = race(scene, asked.value, &mut candidates, progress)?;
     Ok(Some((candidates[winner].finer(finer), why(scene, asked.value, &candidates, winner))))

@@ -31,6 +31,7 @@ use crate::accuracy::{INSTANTS, evenly};
 use crate::error::{Error, InputError, Result};
 use crate::input::{Checked, positive};
 use crate::record::Measure;
+use crate::run::check_start;
 use crate::scene::{Method, Scene};
 use crate::units::Dimension;
 
@@ -86,7 +87,8 @@ pub(crate) fn check_budget(budget: f64) -> Checked {
 /// Studies a scene that was read from text.
 ///
 /// # Errors
-/// An input error where the budget is not positive, no method can do the scene or no error can be measured; the error of a reference that cannot be run
+/// An input error where the budget is not positive, no method can do the scene or no error can be measured; the error of a scene
+/// whose runs stop at t = 0; the error of a reference that cannot be run
 /// at all; [`Error::Interrupted`] where the user stopped it before there was anything to show.
 pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     let started = Instant::now();
@@ -100,6 +102,7 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
         let error = InputError::new("the scene has no gauges").key("measure");
         return Err(error.help("add some in [record] gauges, or choose another measure").into());
     }
+    check_start(scene)?;
     let load = load();
     let source = Source::new(scene);
     let (families, unable) = source.families();

@@ -344,13 +344,8 @@ const LONG_SEARCH: f64 = 1.0;
 
 /// A run to select the method: "leapfrog with 256 cells (estimated error 3.1e-2, tolerance 1e-3)".
 fn tried_text(tried: &Tried, tolerance: f64) -> String {
-    let by = &tried.by;
-    let resolution = match by.front_tolerance {
-        Some(front_tolerance) => std::format!("front tolerance {front_tolerance:.1e}"),
-        None => std::format!("{} cells", by.cells.unwrap_or(0)),
-    };
     let estimate = tried.estimate.map_or_else(|| "unknown".to_owned(), |estimate| std::format!("{estimate:.1e}"));
-    std::format!("{} with {resolution} (estimated error {estimate}, tolerance {tolerance:e})", by.scheme)
+    std::format!("{} (estimated error {estimate}, tolerance {tolerance:e})", tried.by)
 }
 
 /// Choices are written in units of a system; none where the run is to be quiet.

@@ -138,6 +138,16 @@ pub struct SolvedBy {
     pub front_tolerance: Option<f64>,
 }
 
+impl std::fmt::Display for SolvedBy {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} with ", self.scheme)?;
+        match self.front_tolerance {
+            Some(front_tolerance) => write!(f, "front tolerance {front_tolerance:.1e}"),
+            None => write!(f, "{} cells", self.cells.unwrap_or(0)),
+        }
+    }
+}
+
 /// A pilot, or a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tried {

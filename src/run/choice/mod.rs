@@ -19,7 +19,7 @@ use super::limits::check_start;
 use super::tracked::OUT_OF_EVENTS;
 use super::{Progress, Target, on_target};
 use crate::error::{Error, Result, RunError};
-use crate::record::{ChoiceSummary, Summary, Tried};
+use crate::record::{ChoiceSummary, SolvedBy, Summary, Tried};
 use crate::scene::{Method, Scene, Tolerance};
 
 /// A pilot that takes less than this part of what the best way is expected to take is made whatever is expected of it.
@@ -269,9 +269,9 @@ fn why(scene: &Scene, tolerance: f64, candidates: &[Candidate], winner: usize) -
 fn not_reached(scene: &Scene, tolerance: f64, candidates: &[Candidate]) -> Error {
     let pilots = candidates.iter().flat_map(|r| &r.pilots).filter(|p| p.estimate.is_finite());
     let best = pilots.min_by(|a, b| a.estimate.total_cmp(&b.estimate));
-    let best = best.map_or_else(String::new, |pilot| match pilot.worst {
-        Some(worst) => format!(": the best estimate was {worst}"),
-        None => format!(": the best estimate was {:.1e}", pilot.estimate),
+    let best = best.map_or_else(String::new, |pilot| {
+        let estimate = pilot.worst.map_or_else(|| format!("{:.1e}", pilot.estimate), |worst| worst.to_string());
+        format!(": the best estimate was that of {}, {estimate}", SolvedBy::from(pilot.method))
     });
     let whys = candidates.iter().filter_map(|r| Some(format!("; {}: {}", r.method.names()[1], r.out.as_ref()?)));
     let reason = format!("no method reached the tolerance {tolerance:e}{best}{}", whys.collect::<String>());
@@ -283,4 +283,35 @@ fn not_reached(scene: &Scene, tolerance: f64, candidates: &[Candidate]) -> Error
         "increase `tolerance`{least}, or set a method and its resolution in [solve]; `barwave cost` shows the error of each"
     );
     RunError { reason, time: scene.solve.until, x: None, help }.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCENE: &str = r#"
+[bar]
+length = "1 m"
+material = "copper-annealed"
+[left]
+kind = "velocity"
+value = "-30 m/s"
+[right]
+kind = "free"
+[effects]
+[solve]
+until = "1 ms"
+"#;
+
+    #[test]
+    fn a_search_that_ends_names_the_run_that_came_nearest() {
+        let scene = Scene::parse("bar.toml", SCENE, std::path::Path::new(""), &[]).expect("a scene");
+        let mut grid = Candidate::new(Method::Leapfrog { cells: 1000, cfl: 1.0 });
+        for (cells, estimate) in [(128, 0.1), (256, 0.05)] {
+            let method = grid.method.with_cells(cells);
+            grid.pilots.push(Pilot { method, cells, estimate, worst: None, order: 1.0, work: 1 });
+        }
+        let text = not_reached(&scene, 1e-6, &[grid]).to_string();
+        assert!(text.contains("1e-6: the best estimate was that of leapfrog with 256 cells, 5.0e-2"), "{text}");
+    }
 }

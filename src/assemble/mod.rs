@@ -134,6 +134,10 @@ fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialF
     let sudden = sudden_loads(scene, &fans, grid, 1.0);
     if along.is_nothing() {
         fans.extend(sudden_fans::at_springs(scene, grid, sudden_fans::LATE_IN_LEAPFROG));
+        // A ball does not pull.
+        let without_pull = |fan: InitialFan| InitialFan { yields_after: fan.yields_after.min(fan.fan.stress), ..fan };
+        let balls = sudden_fans::at_balls(scene, grid).into_iter();
+        fans.extend(balls.map(|fan| without_pull(unloaded(fan, scene))));
     }
     (fans, sudden)
 }
@@ -165,18 +169,20 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
 
 /// The fans that ends and joints start with, and those that start there later.
 fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
-    let unloading = |fan: InitialFan| {
-        if is_followed_both_ways(&scene.effects) {
-            return fan.unloading_along_curve();
-        }
-        let yields = if moves(&scene.effects) {
-            yield_stress(&scene.bar.segments[fan.segment].material, fan.sense)
-        } else {
-            fan.fan.stress
-        };
-        InitialFan { yields_after: 2.0 * yields, ..fan }
+    all_sudden_fans(scene, grid, late).into_iter().map(|fan| unloaded(fan, scene)).collect()
+}
+
+/// A fan with how the bar behind it is unloaded.
+fn unloaded(fan: InitialFan, scene: &Scene) -> InitialFan {
+    if is_followed_both_ways(&scene.effects) {
+        return fan.unloading_along_curve();
+    }
+    let yields = if moves(&scene.effects) {
+        yield_stress(&scene.bar.segments[fan.segment].material, fan.sense)
+    } else {
+        fan.fan.stress
     };
-    all_sudden_fans(scene, grid, late).into_iter().map(unloading).collect()
+    InitialFan { yields_after: 2.0 * yields, ..fan }
 }
 
 /// Stress at which a material first yields in one sense, Pa.

@@ -2,8 +2,8 @@
 
 use super::front_tracking;
 use crate::bar::{
-    Bar, Driver, EndCondition, History, InitialFan, Joint, Origin, Segment, at_rising_load, at_spring, drives_at_start,
-    first_change, same_section, same_state, spring_waves,
+    Bar, Driver, EndCondition, History, InitialFan, Joint, Origin, Segment, at_rising_load, at_spring, ball_waves,
+    drives_at_start, first_change, same_section, same_state, spring_waves,
 };
 use crate::law::Table;
 use crate::material::Sense;
@@ -341,6 +341,14 @@ pub(super) fn beside_forces(scene: &Scene, grid: &Grid, along: &DistributedForce
         fan.holds_until = times.into_iter().fold(fan.holds_until, f64::min);
     }
     fans
+}
+
+/// The waves of balls at t = 0.
+pub(super) fn at_balls(scene: &Scene, grid: &Grid) -> Vec<InitialFan> {
+    if !super::follows_curves(scene) {
+        return Vec::new();
+    }
+    ball_waves(&scene.bar, [&scene.left, &scene.right], MOST_STEPS * grid.dt, grid.dt)
 }
 
 /// The waves of stiff springs: those of a bar that moves against one at t = 0, and those that the first wave of a bar at rest brings about.

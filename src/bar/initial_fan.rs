@@ -26,7 +26,7 @@ pub enum Origin {
 
 impl Origin {
     /// In which waves run from an end: +1 from the left one, -1 from the right one.
-    fn direction(self) -> f64 {
+    pub(super) fn direction(self) -> f64 {
         if self == Self::Left { 1.0 } else { -1.0 }
     }
 }
@@ -417,8 +417,28 @@ pub(crate) fn drives_at_start(end: &EndCondition, direction: f64, at: &Segment) 
     Imposed::at_first(at, end, direction).map(|imposed| (imposed.driver, imposed.holds_until))
 }
 
-pub(super) fn from_end(end: &EndCondition, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
+pub(super) fn from_end(
+    end: &EndCondition,
+    (origin, x, segment): (Origin, f64, usize),
+    at: &Segment,
+) -> Option<InitialFan> {
     of_end(Imposed::at_most(at, end, origin.direction())?, origin, x, segment, at)
+}
+
+/// What waves start from the ends of a bar of themselves, each end given with its origin, its place (m), the number of its segment and that segment; none
+/// in a bar with an initial state.
+pub(super) fn at_ends(
+    bar: &Bar,
+    ends: [&EndCondition; 2],
+    wave: impl Fn(&EndCondition, (Origin, f64, usize), &Segment) -> Option<InitialFan>,
+) -> Vec<InitialFan> {
+    if bar.has_initial_state() {
+        return Vec::new();
+    }
+    let last = bar.segments.len() - 1;
+    let places = [(Origin::Left, 0.0, 0), (Origin::Right, bar.length(), last)];
+    let of_end = |(end, place): (&EndCondition, (Origin, f64, usize))| wave(end, place, &bar.segments[place.2]);
+    ends.into_iter().zip(places).filter_map(of_end).collect()
 }
 
 fn of_end(imposed: Imposed, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {

@@ -1,5 +1,6 @@
 //! The bar: segments, joints, ends and their histories; plain data, the same for every solver.
 
+mod ball_wave;
 mod end;
 pub mod ends;
 mod hertz;
@@ -17,6 +18,7 @@ mod uniform;
 
 use std::sync::Arc;
 
+pub use ball_wave::ball_waves;
 pub use end::EndCondition;
 pub use hertz::Hertz;
 pub use history::History;

@@ -2,8 +2,8 @@
 //! v(F), which follows from the curve as behind any wave of loading: along a line of the curve, of impedance z, v falls as exp(-k t/z), until the end is
 //! at rest.
 
-use super::initial_fan::from_end;
-use super::{Bar, Driver, EndCondition, InitialFan, Origin, Segment};
+use super::initial_fan::{at_ends, from_end};
+use super::{Bar, Driver, EndCondition, InitialFan, Segment};
 use crate::wave::similarity::{Edge, Fan};
 
 /// Time steps in which the force of a spring rises, Z/k with the impedance Z of the bar, from which on it overshoots by less than 0.5 % without any of
@@ -15,17 +15,8 @@ const AT_REST: f64 = 1e-4;
 
 /// The waves of springs at the ends of a bar at t = 0 that rise within some steps of `dt` (s); none in a bar with an initial state.
 pub fn spring_waves(bar: &Bar, ends: [&EndCondition; 2], dt: f64) -> Vec<InitialFan> {
-    if bar.has_initial_state() {
-        return Vec::new();
-    }
-    let last = bar.segments.len() - 1;
-    let places = [(Origin::Left, 0.0, 0), (Origin::Right, bar.length(), last)];
-    let wave = |(end, (origin, x, segment)): (&EndCondition, (Origin, f64, usize))| {
-        let at = &bar.segments[segment];
-        // Behind it the end is at rest, as behind the fan of a wall.
-        from_end(&EndCondition::Fixed, origin, x, segment, at).and_then(|wall| at_spring(&wall, end, at, dt))
-    };
-    ends.into_iter().zip(places).filter_map(wave).collect()
+    // Behind it the end is at rest, as behind the fan of a wall.
+    at_ends(bar, ends, |end, place, at| at_spring(&from_end(&EndCondition::Fixed, place, at)?, end, at, dt))
 }
 
 /// The wave at the end of a segment, in steps of `dt` (s), if that is a spring, stiff and at rest so far, where a wall would send this fan. It has the

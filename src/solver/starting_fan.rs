@@ -65,7 +65,7 @@ pub struct StartingFan {
     yields_after: f64,
     /// How far its end had moved at its start, m, less what it has lost of its way since, where that follows from a stress.
     pub placed: f64,
-    /// Momentum that schemes owe for both sides of its joint, N s in +x.
+    /// Momentum that schemes owe for both sides of its joint, or for a body at its end, N s in +x.
     pub owed: f64,
     /// Only the node where it starts is made to move as the fan does.
     pub only_origin: bool,
@@ -220,6 +220,12 @@ impl StartingFan {
         self.fronts.last().map_or(0.0, |front| front.speed * self.steps.saturating_sub(self.first) as f64 * dt)
     }
 
+    /// Nodes get this impulse (N s in +x) from nobody at the end of this step. Returns what somebody has to give now: as it ends, all of it.
+    pub fn owe(&mut self, step: usize, impulse: f64) -> f64 {
+        self.owed += impulse;
+        if self.ends_at(step) { std::mem::take(&mut self.owed) } else { 0.0 }
+    }
+
     /// This is the last step at the end of which it is imposed.
     pub fn ends_at(&self, step: usize) -> bool {
         step + 1 == self.steps
@@ -268,6 +274,12 @@ impl StartingFan {
         } else {
             self.stress + self.lost(0.0, time)[1]
         }
+    }
+
+    /// The same of a fan from t = 0, each front of which leaves within a step: the stress at the end of a step, without what leaves beside it.
+    pub fn stress_of_left(&self, time: f64) -> f64 {
+        let left = self.fronts.partition_point(|front| front.delay < time);
+        self.fronts.get(left).map_or(self.stress, |front| front.ahead[1]) + self.lost(0.0, time)[1]
     }
 
     /// What the bar has lost at a time (s after its start) at a distance (m): velocity, m/s in +x, and what that adds to the stress, Pa.

@@ -64,6 +64,10 @@ impl EndModel for Ball {
         0.0
     }
 
+    fn shift(&mut self, farther: f64) {
+        self.approach -= farther;
+    }
+
     fn body(&self) -> Option<Body> {
         Some(Body { velocity: self.velocity, gap: -self.approach })
     }

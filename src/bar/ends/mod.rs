@@ -204,6 +204,9 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
         0.0
     }
 
+    /// The face has moved this much farther into the bar in the latest step than its push says, m.
+    fn shift(&mut self, _farther: f64) {}
+
     /// The body that moves at this end, if there is one.
     fn body(&self) -> Option<Body> {
         None

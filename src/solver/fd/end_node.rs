@@ -56,6 +56,9 @@ pub struct EndNode {
     struck: bool,
     /// Taken by the grid filter, J.
     damped: f64,
+    /// What the end has given because of the grid filter since the latest step, N s in +x.
+    #[serde(skip)]
+    given_to_filter: f64,
     /// Of every step, where they are asked for.
     #[serde(skip)]
     log: Option<Vec<EndSample>>,
@@ -141,6 +144,7 @@ impl EndNode {
             passed_on: PassedOn::default(),
             struck: false,
             damped: 0.0,
+            given_to_filter: 0.0,
             log: None,
         }
     }
@@ -214,7 +218,7 @@ impl EndNode {
         }
         let ahead = 2.0 * force - self.impulses.passed_on(cell, self.passed_on);
         self.means = [self.means[1], ahead];
-        (self.start, self.not_moved) = (None, 0.0);
+        (self.start, self.not_moved, self.given_to_filter) = (None, 0.0, 0.0);
         // Once cells have flowed, waves of a cell's length run to and fro before them, and would open contacts in every second step.
         let impulse = self.dt
             * if self.is_characteristic() && self.cells == Cells::Elastic {
@@ -318,6 +322,7 @@ impl EndNode {
             let impulse = -self.face.inward * change * self.mass;
             let [work, taken] = self.give(impulse, self.velocity_after());
             self.damped += work - taken;
+            self.given_to_filter += impulse;
             return;
         }
         let velocity_increment = self.velocity_increment(sigma_cell);
@@ -357,11 +362,26 @@ impl EndNode {
         [work, taken]
     }
 
+    /// A body is at the end.
+    pub(super) fn has_body(&self) -> bool {
+        self.model.body().is_some()
+    }
+
+    /// What the end has given because of the grid filter since the latest step, N s in +x.
+    pub(super) fn given_to_filter(&self) -> f64 {
+        self.given_to_filter
+    }
+
     /// At t = 0: in the step ahead the end moves with this velocity (m/s, in +x), which its own force gives it.
     pub(super) fn start_moving(&mut self, velocity: f64) {
         let change = self.face.inward * velocity - self.node.after;
         let more = self.node.impedance * change;
         self.force += more;
+        let before = self.model.energy(self.displacement);
+        self.model.give(self.dt, self.dt * more, self.mass);
+        if self.model.stores() {
+            self.to_give += before - self.model.energy(self.displacement);
+        }
         self.shift(change);
         self.node.after += change;
         let impulse = 0.5 * self.dt * more;
@@ -370,10 +390,11 @@ impl EndNode {
         self.work_on_node += impulse * self.node.before;
     }
 
-    /// The end moves faster by this in the step ahead, m/s, into the bar: a spring gives that work.
+    /// The end moves faster by this in the step ahead, m/s, into the bar: a spring or a ball gives that work.
     fn shift(&mut self, change: f64) {
         let before = self.model.energy(self.displacement);
         self.displacement += self.dt * change;
+        self.model.shift(self.dt * change);
         if self.model.stores() {
             self.to_give += before - self.model.energy(self.displacement);
         }

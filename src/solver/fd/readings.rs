@@ -62,7 +62,7 @@ impl Leapfrog {
             return self.energies_with(nodes.sums());
         }
         let half_step = self.left.in_transit() + self.right.in_transit() + self.lost_to_fans;
-        let momentum = -self.owed_at_joints();
+        let momentum = -self.owed();
         let mut total = Energies { numerical: self.taken_by_filter(), half_step, momentum, ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
@@ -143,7 +143,7 @@ impl Leapfrog {
         if let Some(nodes) = &self.implicit {
             return nodes.initial();
         }
-        let mut total = Energies { momentum: -self.owed_at_joints(), ..Energies::default() };
+        let mut total = Energies { momentum: -self.owed(), ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             add_nodes(&mut total, c.cell_mass, block.inner_nodes_at_start());

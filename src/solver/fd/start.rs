@@ -6,11 +6,12 @@
 //! exact solution does, its plastic fronts spread over [`RAMP`] cells: each node with the mean of its velocity over the step, so that every
 //! cell has just the mean of the strain.
 //!
-//! A body at an end slows down. The unloading waves that this sends after the fan take its slowest fronts away; see [`crate::solver::unloading`].
+//! A striker at an end slows down. The unloading waves that this sends after the fan take its slowest fronts away; see [`crate::solver::unloading`].
 //!
 //! That is an impulse on nodes. Its momentum comes from the end, or from the body there. At a joint there is nobody to give it: what the
 //! nodes on both sides get together, none but for the share that fronts have passed of single cells, they owe, and give back in
-//! the last step. Given back in every step, it made the force at contacts 2 % too large, or ran ahead of the waves.
+//! the last step. Given back in every step, it made the force at contacts 2 % too large, or ran ahead of the waves. A ball has a force of its own,
+//! that of its approach: what the nodes get besides, it owes in the same way.
 //!
 //! What all this takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
 
@@ -155,7 +156,9 @@ impl Leapfrog {
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
         if fan.grows() {
             end.start_moving(fan.moved(dt) / dt);
-            end.carry(fan.means(0.0, 0.0, dt)[1]);
+            if !end.has_body() {
+                end.carry(fan.means(0.0, 0.0, dt)[1]);
+            }
         }
     }
 
@@ -172,6 +175,7 @@ impl Leapfrog {
         }
         let Imposed { mut impulse, mut energy, .. } = self.impose(fan, 0.0);
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
+        let by_ball = fan.driver == Driver::Stress && end.has_body();
         if fan.driver == Driver::Stress {
             if fan.from > 0.0 && fan.begins_at(self.step) {
                 fan.placed = end.displacement() - fan.moved(time);
@@ -184,12 +188,18 @@ impl Leapfrog {
             };
             impulse += end.mass() * change;
             energy += end.impose(change);
+        }
+        if by_ball {
+            // A narrow fan gives single cells more than its momentum, by as much as a light ball has.
+            let filtered = end.given_to_filter();
+            impulse = fan.owe(self.step, impulse + filtered) - filtered;
+        } else if fan.driver == Driver::Stress {
             end.carry(fan.means(0.0, time, dt)[1]);
         }
         let [given, taken] = end.give(impulse, fan.velocity_at_origin(time, dt));
         // A load that comes within the step ahead has not come yet.
         if time >= 0.0 {
-            end.show(fan.stress_at_origin(time, dt));
+            end.show(if by_ball { fan.stress_of_left(time) } else { fan.stress_at_origin(time, dt) });
         }
         energy += taken;
         if self.implicit.is_some() {
@@ -218,10 +228,9 @@ impl Leapfrog {
 
     fn impose_at_joint(&mut self, left: &mut StartingFan, right: &StartingFan) {
         let made = self.impose_on_both(left, right, 0.0);
-        left.owed += made.impulse;
+        let owed = left.owe(self.step, made.impulse);
         if left.ends_at(self.step) {
-            self.impose_on_both(left, right, -left.owed / made.mass);
-            left.owed = 0.0;
+            self.impose_on_both(left, right, -owed / made.mass);
         }
     }
 
@@ -235,8 +244,8 @@ impl Leapfrog {
         made
     }
 
-    /// Impulse that nodes at joints have got from nobody so far, N s in +x.
-    pub(super) fn owed_at_joints(&self) -> f64 {
+    /// Impulse that nodes inside fans have got from nobody so far, N s in +x.
+    pub(super) fn owed(&self) -> f64 {
         self.fans.iter().map(|fan| fan.owed).sum()
     }
 

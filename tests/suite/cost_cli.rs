@@ -113,31 +113,32 @@ fn wrong_input_is_refused_before_anything_runs() {
     assert!(refused(&["--measure", "gauges", "--set", "record.gauges={}"]).contains("the scene has no gauges"));
 }
 
-/// A bilinear bar that a rigid mass strikes. All leapfrog grids show the same peak force at the wall, which differs from that of front
-/// tracking and of the Godunov scheme by 6e-5; the reference was leapfrog with 800 cells, "uncertain" by 1e-12.
-const STRUCK: &str = r#"
-bar = { length = "0.5 m", diameter = "10 mm", material = { name = "bilinear", density = 7800, modulus = "200 GPa", poisson = 0.29, beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.021, "600 MPa"]] } } }
-left = { kind = "striker", mass = "0.2 kg", velocity = "15 m/s" }
+/// A copper bar under a stress that falls. All leapfrog grids show the same peak force, that of the exact start of its wave; the reference was leapfrog
+/// with 3200 cells, "uncertain" by 6e-12, although front tracking and the Godunov scheme come no nearer than some 1e-5.
+const BLAST: &str = r#"
+bar = { length = "0.5 m", diameter = "10 mm", material = "copper-annealed" }
+left = { kind = "stress", history = [["0 us", "-120 MPa"], ["40 us", "0 MPa"]] }
 right = { kind = "fixed" }
 effects = { hardening = "isotropic" }
-solve = { until = "400 us", cells = 400 }
+solve = { until = "250 us", cells = 400 }
 record = { frames = 2 }
 "#;
 
 #[test]
-fn grids_that_agree_with_each_other_but_not_with_front_tracking_are_no_certain_reference() {
+fn grids_that_agree_with_each_other_alone_are_no_certain_reference() {
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("struck.toml"), STRUCK).expect("a folder to write to");
-    let scene = folder.path().join("struck.toml");
+    std::fs::write(folder.path().join("blast.toml"), BLAST).expect("a folder to write to");
+    let scene = folder.path().join("blast.toml");
     let scene = scene.to_str().expect("a path in UTF-8");
     let arguments = ["--json", "--budget", "6s", "--measure", "peak-force"];
     let found = json(&cost(folder.path(), scene, &arguments));
     let (reference, uncertainty) =
         (found["reference"].as_str().expect("a name"), number(&found, "reference_uncertainty"));
-    assert!(!reference.starts_with("leapfrog") || uncertainty > 5e-5, "{reference}: {uncertainty}");
-    let errors = list(&found, "points").iter().filter(|point| point["scheme"] == "leapfrog");
-    let best = errors.map(|point| number(point, "error")).fold(f64::INFINITY, f64::min);
-    assert!(best + uncertainty > 5e-5, "{best} against {reference}: {uncertainty}");
+    let points = list(&found, "points").iter();
+    let others = points.filter(|point| !reference.starts_with(point["scheme"].as_str().expect("a name")));
+    let nearest = others.map(|point| number(point, "error")).fold(f64::INFINITY, f64::min);
+    println!("{reference}, uncertain by {uncertainty}; nearest of another method {nearest}");
+    assert!(uncertainty > 1e-6 && nearest + uncertainty > 1e-5, "{reference}: {uncertainty}, {nearest}");
     // An error that does not fall has no order.
     let orders = found["orders"].as_object().expect("orders").values();
     assert!(orders.filter_map(Value::as_f64).all(|order| order > 0.0), "{}", found["orders"]);

@@ -33,7 +33,7 @@ pub(super) const SHOWN_ORDERS: [f64; 2] = [0.25, 3.0];
 /// Runs of a candidate before any is preferred; a grid has one more, so that it shows an order, where that takes no more than this
 /// share of the time left.
 const FIRST_RUNS: usize = 2;
-const THIRD_SHARE: f64 = 0.25;
+const THIRD_SHARE: f64 = 0.1;
 
 /// What a candidate is.
 pub(super) enum Kind<'a> {

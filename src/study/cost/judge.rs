@@ -130,19 +130,29 @@ pub(super) fn order(points: &[&CostPoint], uncertainty: f64) -> Option<OrderFit>
 /// Points of another method that tell that the reference, a run on a grid, is off: over so many the error no longer falls.
 const STALLED: usize = 3;
 
-/// The uncertainty of a reference that is a run of family `own` itself, beside the points of all families: another method that
-/// comes to an end elsewhere contradicts it by what is left there.
-pub(super) fn contradicted(points: &[Vec<CostPoint>], own: usize, uncertainty: f64) -> f64 {
-    let others = points.iter().enumerate().filter(|(family, _)| *family != own).map(|(_, points)| points);
-    let left = others.filter_map(|points| {
-        let finest = &points[points.len().checked_sub(STALLED)?..];
-        let falls = |pair: &[CostPoint]| {
-            let pair = [&pair[0], &pair[1]].map(|point| (fineness(point), point.error));
-            exponent(&pair).is_none_or(|exponent| -exponent >= SHOWN_ORDERS[0])
-        };
-        (!finest.windows(2).any(falls)).then(|| finest.last().map_or(0.0, |point| point.error))
-    });
-    left.fold(uncertainty, f64::max)
+/// The uncertainty of a reference that is a run of family `own` itself: by its own account and as it was chosen, and now beside the points of all
+/// families. The finest of front tracking, or the nearest of another grid, is a finer witness than that of the choice. Another method that comes to an
+/// end elsewhere contradicts the reference by what is left there.
+pub(super) fn uncertainty(points: &[Vec<CostPoint>], own: usize, [by_itself, as_chosen]: [f64; 2]) -> f64 {
+    let others = || points.iter().enumerate().filter(|(family, _)| *family != own).map(|(_, points)| &points[..]);
+    let finest = |tracks: bool| {
+        let tracked = |point: &CostPoint| matches!(point.resolution(), Resolution::FrontTolerance(_));
+        let of_kind = others().filter_map(<[CostPoint]>::last).filter(move |point| tracked(point) == tracks);
+        of_kind.map(|point| point.error).reduce(f64::min)
+    };
+    let witness = finest(true).or_else(|| finest(false)).unwrap_or(f64::INFINITY);
+    let left = others().filter_map(left_over).fold(by_itself, f64::max);
+    left.max(as_chosen.min(witness))
+}
+
+/// The error at which the points of a method no longer fall.
+fn left_over(points: &[CostPoint]) -> Option<f64> {
+    let finest = &points[points.len().checked_sub(STALLED)?..];
+    let falls = |pair: &[CostPoint]| {
+        let pair = [&pair[0], &pair[1]].map(|point| (fineness(point), point.error));
+        exponent(&pair).is_none_or(|exponent| -exponent >= SHOWN_ORDERS[0])
+    };
+    (!finest.windows(2).any(falls)).then(|| finest.last().map_or(0.0, |point| point.error))
 }
 
 /// Which points no other one beats in both stepping time and error. Errors count as no smaller than the reference's
@@ -276,10 +286,14 @@ mod tests {
             errors.iter().enumerate().map(|(k, &error)| point(100 << k, error, 1.0)).collect()
         };
         let own = of(&[1e-5, 1e-5, 1e-5]);
-        let against = |errors: &[f64]| contradicted(&[own.clone(), of(errors)], 0, 1e-7);
+        let against = |errors: &[f64]| uncertainty(&[own.clone(), of(errors)], 0, [1e-7; 2]);
         assert_eq!(against(&[4e-4, 1e-4, 5e-5, 4.9e-5, 4.8e-5]), 4.8e-5);
         assert_eq!(against(&[4e-4, 2e-4, 1e-4]), 1e-7);
         assert_eq!(against(&[1e-4, 1e-4]), 1e-7);
+        // What contradicted it as it was chosen counts as far as no finer run has come nearer.
+        let chosen = |errors: &[f64]| uncertainty(&[own.clone(), of(errors)], 0, [1e-7, 1e-2]);
+        assert_eq!(chosen(&[4e-3, 2e-4]), 2e-4);
+        assert_eq!(chosen(&[4e-2]), 1e-2);
     }
 
     #[test]

@@ -18,8 +18,9 @@ pub(super) const ROUNDING: f64 = 1e-12;
 pub(super) struct Reference {
     /// In words.
     pub name: String,
-    /// What the difference of the two finest runs leaves, or another method contradicts it by, or rounding; in the measure of the
-    /// study.
+    /// What the difference of the two finest runs leaves, or rounding; in the measure of the study.
+    pub own: f64,
+    /// The same, or what another method contradicts it by as it was chosen.
     pub uncertainty: f64,
     /// Where a run of the scheme itself is the reference: the family and its cells.
     pub grid: Option<(usize, usize)>,
@@ -84,19 +85,20 @@ pub(super) fn find(
 
 /// The finest run of a candidate.
 fn of_rival(mut candidate: Candidate<'_>, uncertainty: f64) -> Option<Reference> {
-    let uncertainty = uncertainty.max(ROUNDING);
+    let [own, uncertainty] = [candidate.uncertainty()?, uncertainty].map(|uncertainty| uncertainty.max(ROUNDING));
     let Run { fineness, pass } = candidate.runs.pop()?;
     let tolerance = 1.0 / fineness;
-    Some(match candidate.kind {
+    let reference = match candidate.kind {
         candidates::Kind::Fronts { keeps: true, .. } => {
             let steps = format!("ramps in steps of {tolerance:.0e} of the largest stress");
-            run_reference(pass, uncertainty, format!("front tracking of all waves, {steps}"))
+            run_reference(pass, own, format!("front tracking of all waves, {steps}"))
         }
         candidates::Kind::Fronts { keeps: false, .. } => {
-            run_reference(pass, uncertainty, format!("front tracking with front-tolerance {tolerance:.0e}"))
+            run_reference(pass, own, format!("front tracking with front-tolerance {tolerance:.0e}"))
         }
-        candidates::Kind::Grid { index, family } => grid_reference(pass, uncertainty, index, family.names[1]),
-    })
+        candidates::Kind::Grid { index, family } => grid_reference(pass, own, index, family.names[1]),
+    };
+    Some(Reference { uncertainty, ..reference })
 }
 
 /// Grids, the one that is preferred first: the net, then leapfrog, then what there is.
@@ -130,18 +132,19 @@ fn similar(scene: &Scene, instants: &Instants) -> Option<Reference> {
     let initial_fan = record::alone(&scene.bar, &all, last)?;
     Some(Reference {
         name: "self-similar solution, exact for the tabulated curve".into(),
+        own: ROUNDING,
         uncertainty: ROUNDING,
         grid: None,
         kind: Kind::Similar(Box::new(scene.clone()), Box::new(initial_fan.clone())),
     })
 }
 
-fn run_reference(pass: Pass, uncertainty: f64, name: String) -> Reference {
-    Reference { name, uncertainty, grid: None, kind: Kind::Run(Box::new(pass.response)) }
+fn run_reference(pass: Pass, own: f64, name: String) -> Reference {
+    Reference { name, own, uncertainty: own, grid: None, kind: Kind::Run(Box::new(pass.response)) }
 }
 
-fn grid_reference(pass: Pass, uncertainty: f64, index: usize, scheme: &str) -> Reference {
+fn grid_reference(pass: Pass, own: f64, index: usize, scheme: &str) -> Reference {
     let cells = pass.cells;
     let name = format!("{scheme} with {cells} cells, a finer run of the same scheme: errors are estimates");
-    Reference { grid: Some((index, cells)), ..run_reference(pass, uncertainty, name) }
+    Reference { grid: Some((index, cells)), ..run_reference(pass, own, name) }
 }

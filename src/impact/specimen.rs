@@ -280,6 +280,9 @@ fn work(curve: &Curve, strain: f64) -> f64 {
 /// The strain, at most `most`, that takes `energy` per volume, J/m^3.
 fn strain_of(curve: &Curve, energy: f64, most: f64) -> f64 {
     let mut left = energy;
+    if left == 0.0 {
+        return 0.0;
+    }
     for (e, s) in pieces(curve, most) {
         let (width, rise) = (e[1] - e[0], s[1] - s[0]);
         let piece = 0.5 * (s[0] + s[1]) * width;
@@ -356,6 +359,12 @@ mod tests {
         // A hair's breadth on both sides of the threshold.
         let limit = outcome.threshold_velocity;
         assert!(!drawn(1.0, limit * (1.0 - 1e-12)).breaks && drawn(1.0, limit * (1.0 + 1e-12)).breaks);
+    }
+
+    #[test]
+    fn a_striker_at_rest_strains_nothing() {
+        let outcome = drawn(1.0, 0.0);
+        assert_eq!((outcome.strain, outcome.elastic, outcome.residual_velocity), (Some(0.0), false, 0.0));
     }
 
     #[test]

@@ -34,6 +34,11 @@ fn the_energy_method_knows_the_critical_velocity_and_elastic_specimens() {
     within(&fast, "residual_velocity_m_s", -200.0, 0.0);
     assert!(notes.contains("stays elastic"), "{notes}");
     assert!(!light("50 m/s")["notes"].to_string().contains("exceeds"));
+    // A striker at rest, as at the start of a sweep.
+    let still = light("0 m/s");
+    within(&still, "strain", 0.0, 0.0);
+    within(&still, "residual_velocity_m_s", 0.0, 0.0);
+    assert!(!still["notes"].to_string().contains("rebounds"), "{still}");
     // 80 ft/s of 200 lb yield the specimen, and are below its critical velocity.
     let sets = ["specimen.energy=", "specimen.material=\"steel-4340-tempered-315c\""];
     assert_eq!(run("energy-method.toml", &sets)["notes"].to_string(), "[]");

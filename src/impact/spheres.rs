@@ -62,9 +62,10 @@ pub fn velocity_before(masses: [f64; 2], after: f64) -> f64 {
     (masses[0] + masses[1]) * after / masses[0]
 }
 
-/// Of the bodies that can move, J.
-fn kinetic(masses: [f64; 2], velocities: [f64; 2]) -> f64 {
-    (0..2).filter(|&i| masses[i].is_finite()).map(|i| 0.5 * masses[i] * velocities[i] * velocities[i]).sum()
+/// Kinetic energy lost in an impact at this closing velocity, m/s, in J: that of the relative motion, where a difference of the kinetic energies
+/// before and after would cancel.
+fn energy_lost(masses: [f64; 2], closing: f64, restitution: f64) -> f64 {
+    0.5 * reduced(masses) * closing * closing * (1.0 - restitution) * (1.0 + restitution)
 }
 
 impl Problem for Spheres {
@@ -130,7 +131,7 @@ const STRUCK_AFTER: &str = "velocity of the struck body after the impact";
 
 fn by_restitution(masses: [f64; 2], velocities: [f64; 2], restitution: f64) -> Solution {
     let after = velocities_after(masses, velocities, restitution);
-    let lost = kinetic(masses, velocities) - kinetic(masses, after);
+    let lost = energy_lost(masses, velocities[0] - velocities[1], restitution);
     let mut solution = Solution {
         scheme: "restitution",
         equation: "(9.1) to (9.3): Newton's law of restitution and the conservation of momentum".into(),
@@ -146,7 +147,7 @@ fn by_restitution(masses: [f64; 2], velocities: [f64; 2], restitution: f64) -> S
 
 fn pendulum(masses: [f64; 2], after: f64) -> Solution {
     let before = velocity_before(masses, after);
-    let lost = kinetic(masses, [before, 0.0]) - kinetic(masses, [after, after]);
+    let lost = energy_lost(masses, before, 0.0);
     let mut solution = Solution {
         scheme: "pendulum",
         equation: "(9.4): conservation of momentum of a body that embeds in another at rest".into(),
@@ -161,15 +162,15 @@ fn pendulum(masses: [f64; 2], after: f64) -> Solution {
     solution
 }
 
-/// Reduced mass, kg.
-fn reduced(solids: &[Solid; 2]) -> f64 {
-    1.0 / solids.iter().map(|s| 1.0 / s.mass).sum::<f64>()
+/// Reduced mass, kg; either may be infinite.
+fn reduced(masses: [f64; 2]) -> f64 {
+    1.0 / masses.map(f64::recip).iter().sum::<f64>()
 }
 
 /// Everything that needs no integration.
 fn closed_forms(solids: &[Solid; 2]) -> Solution {
     let contact = solids[0].contact(&solids[1]);
-    let (mass, closing) = (reduced(solids), solids[0].velocity - solids[1].velocity);
+    let (mass, closing) = (reduced([solids[0].mass, solids[1].mass]), solids[0].velocity - solids[1].velocity);
     let approach = contact.largest_approach(mass, closing);
     let mut solution = theory(solids[1].mass.is_infinite());
     solution.lines.push(Line::new("closing velocity", "{}, reduced mass {}", &[(closing, Velocity), (mass, Mass)]));
@@ -319,5 +320,21 @@ mod tests {
         let after = velocities_after([2.0, 3.0], [5.0, -1.0], 0.6);
         assert!((after[0] + 0.76).abs() < 1e-15 && (after[1] - 2.84).abs() < 1e-15, "{after:?}");
         assert!((velocity_before([0.01, 2.0], 1.5) - 301.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_energy_lost_does_not_cancel() {
+        // As small beside the kinetic energy as 1e-16 of it: by the relative motion, in exact arithmetic.
+        for (masses, velocities, restitution, exact) in [
+            ([1e6, 1e-6], [1.0, 0.0], 0.5, 3.75e-7 / (1.0 + 1e-12)),
+            ([1e6, 1e-9], [1.0, 0.0], 1.0, 0.0),
+            ([2.0, 3.0], [1000.0 + 0.5_f64.powi(10), 1000.0], 0.5, 0.5 * 1.2 * 0.75 * 0.5_f64.powi(20)),
+        ] {
+            let lost = by_restitution(masses, velocities, restitution).figure("energy_lost");
+            assert!((lost - exact).abs() <= 1e-14 * exact, "{masses:?}: {lost} {exact}");
+        }
+        // 1 mg that is at rest takes m v^2/2 of a ton.
+        let lost = pendulum([1e3, 1e-6], 1.0 / (1.0 + 1e-9)).figure("energy_lost");
+        assert!((lost / (0.5e-6 / (1.0 + 1e-9)) - 1.0).abs() < 1e-14, "{lost}");
     }
 }

@@ -236,7 +236,7 @@ fn radiation(solution: &mut Solution, [sphere, ground]: &[Solid; 2], contact: &H
     }
 }
 
-/// Equation 9.5, with the slower of the two wave speeds.
+/// Equation 9.5, with the slower of the wave speeds that are known.
 fn vibration(solution: &mut Solution, solids: &[Solid; 2], closing: f64) {
     let speeds = solids.iter().filter(|s| s.mass.is_finite()).map(|s| (s.elastic.modulus / s.elastic.density).sqrt());
     let Some(speed) = speeds.filter(|c| c.is_finite()).reduce(f64::min) else { return };

@@ -143,6 +143,45 @@ fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
     assert!(!notes(&["striker.velocity=2500"]).contains("goes into vibration"));
 }
 
+/// A body with a spherical face is as heavy as its mass says; the density of a solid sphere of that mass has no part in its contact.
+#[test]
+fn a_given_mass_is_the_mass() {
+    for (name, more) in
+        [("spheres.toml", "spheres.density="), ("plate.toml", ""), ("beam.toml", "solve.tolerance=1e-3")]
+    {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (radius, mass) in [("10 mm", "500 kg"), ("10 mm", "1e-10 kg"), ("1 km", "1 kg")] {
+            // A sphere is shorter than a beam.
+            if name == "beam.toml" && radius == "1 km" {
+                continue;
+            }
+            let [radius, mass] = [format!("striker.radius=\"{radius}\""), format!("striker.mass=\"{mass}\"")];
+            let own = if name == "spheres.toml" { "spheres.mass=\"1 kg\"" } else { "solve.until=\"20 us\"" };
+            let density = if name == "plate.toml" { "" } else { "striker.density=" };
+            let sets = [density, &radius, &mass, own, more];
+            let sets: Vec<&str> = sets.into_iter().filter(|set| !set.is_empty()).collect();
+            for command in ["plan", "run"] {
+                let output = barwave(folder.path(), command, name, &sets, &[]);
+                let message = String::from_utf8_lossy(&output.stderr);
+                assert_eq!(output.status.code(), Some(0), "{command} {name} {radius} {mass}: {message}");
+            }
+        }
+    }
+    // 1e6 m of steel are refused by every command, with the place.
+    let folder = tempfile::tempdir().expect("a folder");
+    for command in ["plan", "run"] {
+        let output = barwave(folder.path(), command, "spheres.toml", &["striker.radius=\"1000 km\""], &[]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command}: {message}");
+        assert!(message.contains("`striker.radius`") && message.contains("help:"), "{command}: {message}");
+    }
+    // The speed of waves in the ball is that of its material, whatever its mass.
+    let vibration = |mass: &str| {
+        number(&run("spheres.toml", &["striker.material=\"mild-steel\"", "striker.density=", mass]), "vibration_ratio")
+    };
+    assert_eq!(vibration("striker.mass=\"1 kg\"").to_bits(), vibration("striker.mass=\"1 t\"").to_bits());
+}
+
 #[test]
 fn a_report_has_its_notes_in_its_units() {
     let sets =

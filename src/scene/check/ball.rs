@@ -12,7 +12,7 @@ use crate::bar::{EndCondition, Hertz};
 use crate::error::Result;
 use crate::material::{Loading, Material};
 use crate::typed::{Key, Of, Placed};
-use crate::units::Measure;
+use crate::units::{Dimension, Measure};
 
 impl Checker<'_> {
     /// A ball on the end of a bar.
@@ -92,10 +92,23 @@ impl Checker<'_> {
     ) -> Result<f64> {
         let Some(mass) = raw.mass else {
             let density = self.given_or(raw.density, material.map(|m| m.density), "density", span, key)?;
-            return Ok(4.0 / 3.0 * PI * radius.powi(3) * density);
+            return self.mass_of_sphere(raw, radius, density, key);
         };
         self.not_both(raw.density.place(), key, ["density", "mass"])?;
         self.si(mass)
+    }
+
+    fn mass_of_sphere(&self, raw: &BodyKeys<'_>, radius: f64, density: f64, key: &str) -> Result<f64> {
+        let (mass, range) = (4.0 / 3.0 * PI * radius.powi(3) * density, Dimension::Mass.magnitudes());
+        if (range.least..=range.most).contains(&mass) {
+            return Ok(mass);
+        }
+        let (name, size) = if raw.diameter.is_some() { ("diameter", raw.diameter) } else { ("radius", raw.radius) };
+        let message = format!("a solid sphere of this {name} has a mass of {mass:e} kg, which is out of range");
+        let span = size.map_or(0..0, Of::span);
+        let error = self.error(span, &format!("{key}.{name}"), message);
+        let allowed = format!("{:e} <= mass <= {:e} kg", range.least, range.most);
+        Err(error.allowed(allowed).help(format!("change `{name}`, or give `mass`")).into())
     }
 
     /// Modulus, Pa, and Poisson's ratio; infinite and 0 where it is rigid.

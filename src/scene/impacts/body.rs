@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::impact::{Elastic, Solid};
 use crate::material::{Material, Sense};
 use crate::typed::{Of, Placed, Plain, Poisson, Positive, Within};
-use crate::units::measures;
+use crate::units::{Dimension, measures};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -48,6 +48,12 @@ pub(super) fn solid_json(solid: &Solid) -> Value {
     })
 }
 
+/// Of a body of given mass as a solid sphere, kg/m^3; NaN where it is not one: the mass is that of a body with a spherical face.
+fn mean_density(mass: f64, radius: f64) -> f64 {
+    let (density, range) = (mass / (4.0 / 3.0 * PI * radius.powi(3)), Dimension::Density.magnitudes());
+    if (range.least..=range.most).contains(&density) { density } else { f64::NAN }
+}
+
 impl Checker<'_> {
     /// A sphere with Hertz's contact.
     pub(super) fn sphere(&self, raw: &Placed<RawSphere>, key: &str) -> Result<Made<Solid>> {
@@ -70,7 +76,9 @@ impl Checker<'_> {
             self.made_of_something(keys, span.clone(), key, "modulus, poisson and mass or density")?;
         }
         let mass = self.ball_mass(keys, span.clone(), key, radius, known)?;
-        let elastic = self.elastic_of(keys, known, span, key, mass / (4.0 / 3.0 * PI * radius.powi(3)))?;
+        let density = keys.density.map(|density| self.si(density)).transpose()?;
+        let density = density.or(known.map(|m| m.density)).unwrap_or_else(|| mean_density(mass, radius));
+        let elastic = self.elastic_of(keys, known, span, key, density)?;
         Ok((Solid { radius, mass, velocity, elastic }, material))
     }
 

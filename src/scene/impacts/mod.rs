@@ -103,6 +103,8 @@ fn resembled(key: &str) -> Option<&'static str> {
 pub(super) fn check(kind: &Kind, document: &Document, base: &Path) -> Result<ImpactScene> {
     let checker = Checker { document, base, torsion: false, keys: Default::default() };
     let Parts { title, problem, materials, resolved } = (kind.check)(&checker)?;
+    // A check and a plan refuse what a run would.
+    problem.check()?;
     let name = checker.name();
     let title = title.unwrap_or_else(|| name.clone());
     Ok(ImpactScene { title, name, text: String::new(), overrides: Vec::new(), problem, materials, resolved })

@@ -45,6 +45,12 @@ pub fn handbook_restitution(mass: f64, half_thickness: f64, density: f64, a2: f6
     (1.0 - x) / (1.0 + x)
 }
 
+/// Radius squared of the disturbed region of a plate after a time, s, equation 9.8, m^2.
+pub(super) fn disturbed(duration: f64, thickness: f64, elastic: &Elastic) -> f64 {
+    let Elastic { modulus, poisson, density, .. } = elastic;
+    PI * duration * 0.5 * thickness * (modulus / (3.0 * density * (1.0 - poisson.powi(2)))).sqrt()
+}
+
 impl Plate {
     /// Force over velocity of the struck point, N s/m: 8 sqrt(D 2h rho), D being the bending stiffness. The plate answers a force with a
     /// velocity in proportion.
@@ -67,8 +73,7 @@ impl Plate {
 
     /// Radius squared that the flexural wave has reached at the end of a contact, equation 9.8, m^2.
     fn spread(&self, duration: f64) -> f64 {
-        let e = &self.elastic;
-        PI * duration * 0.5 * self.thickness * (e.modulus / (3.0 * e.density * (1.0 - e.poisson.powi(2)))).sqrt()
+        disturbed(duration, self.thickness, &self.elastic)
     }
 
     fn latest(&self) -> f64 {

@@ -287,6 +287,18 @@ fn beams_note_what_is_beyond_the_theory_of_slender_elastic_beams() {
     assert!(planned("beam.depth=\"2 cm\"").contains("7.675 times as long as deep"));
     assert!(planned("beam.at=\"1 cm\"").contains("struck 1.000 of its depth from a support"));
     assert!(planned("beam.at=\"0.1 um\"").contains("struck 1.000e-5 of its depth from a support"));
+    // A disturbed radius of 92.5 mm by (9.8), over half the width.
+    assert_eq!(planned("beam.width=\"9 cm\""), "[]");
+    let wide = planned("beam.width=\"20 cm\"");
+    assert!(
+        wide.contains("(9.8), is 0.925 of half the width") && wide.contains("up to about 2.1 times the energy"),
+        "{wide}"
+    );
+    let long = ["beam.width=\"20 cm\"", "striker.mass=\"1 t\"", "striker.density=", "beam.length=\"10 cm\""];
+    let output = barwave(folder.path(), "plan", "beam.toml", &[&["record.gauges="], &long[..]].concat(), &["--json"]);
+    let plan: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
+    let broad = plan["notes"].to_string();
+    assert!(broad.contains("2.00 times as wide as long") && broad.contains("about 1.5 times as far"), "{broad}");
     // 9.03 depths.
     let quick = planned("striker.radius=\"2.5 mm\"");
     let waves = "of the energy goes into the beam, and strains differ by 10 % and more";

@@ -5,7 +5,7 @@ use super::Figure;
 use super::contact::Site;
 use super::fragment::Fragment;
 use super::key;
-use super::records::Part;
+use super::records::{Absorbed, Part};
 use super::tally::Gauge;
 use crate::units::Dimension;
 
@@ -87,15 +87,19 @@ pub(super) static PART: &[Definition<Part>] = &[
         "angle of twist after elastic unloading of every section, the integral of the plastic shear strain at the surface over its radius",
         |part| part.twist.map(|[_, unloaded]| unloaded),
     ),
+];
+
+/// Of the bar alone: the balance of energy is that of the whole.
+pub(super) static BAR: &[Definition<Absorbed>] = &[
     row(
         ("energy_absorbed", Dimension::Energy, "energy absorbed"),
         "energy dissipated in the bar by plastic flow, shocks and fracture; needs an area",
-        |part| part.absorbed,
+        |absorbed| absorbed.energy,
     ),
     row(
         ("energy_absorbed_per_volume", Dimension::EnergyDensity, ""),
-        "energy absorbed per volume of the bar",
-        |part| part.absorbed_per_volume,
+        "energy absorbed over the volume of the whole bar, with that of segments that remain elastic",
+        |absorbed| absorbed.per_volume,
     ),
 ];
 
@@ -237,7 +241,14 @@ pub fn names() -> Vec<&'static str> {
     fn of<S>(table: &[Definition<S>]) -> impl Iterator<Item = &'static str> {
         table.iter().map(|d| d.name)
     }
-    of(PART).chain(of(LOAD)).chain(of(END)).chain(of(JOINT)).chain(of(FRAGMENT)).chain(of(GAUGE)).collect()
+    of(PART)
+        .chain(of(BAR))
+        .chain(of(LOAD))
+        .chain(of(END))
+        .chain(of(JOINT))
+        .chain(of(FRAGMENT))
+        .chain(of(GAUGE))
+        .collect()
 }
 
 /// Every figure for a reference: its group, JSON key, unit and description.
@@ -253,6 +264,7 @@ pub fn definitions() -> Vec<[String; 4]> {
     let tables = [
         profile,
         rows("bar, `segments.N`", PART),
+        rows("bar", BAR),
         rows("`left`, `right`, `joints.N`", LOAD),
         rows("`left`, `right`", END),
         rows("`joints.N`", JOINT),
@@ -260,4 +272,16 @@ pub fn definitions() -> Vec<[String; 4]> {
         rows("`gauges.NAME`", GAUGE),
     ];
     tables.concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The balance of energy is that of the whole bar, and no segment has a part of it.
+    #[test]
+    fn the_energy_absorbed_is_that_of_the_bar() {
+        let places = definitions().into_iter().filter(|[_, key, ..]| key.starts_with("energy_absorbed"));
+        assert_eq!(places.map(|[place, ..]| place).collect::<Vec<_>>(), ["bar", "bar"]);
+    }
 }

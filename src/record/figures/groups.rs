@@ -1,8 +1,8 @@
 //! The figures of a run, place by place.
 
 use super::contact::{Site, sites};
-use super::definitions::{END, FRAGMENT, Figured, GAUGE, JOINT, LOAD, PART, RESIDUAL_PROFILE};
-use super::records::{Part, Records, SegmentEnd};
+use super::definitions::{BAR, END, FRAGMENT, Figured, GAUGE, JOINT, LOAD, PART, RESIDUAL_PROFILE};
+use super::records::{Absorbed, Part, Records, SegmentEnd};
 use super::{Figures, Group, Profile};
 use crate::bar::Joint;
 
@@ -51,20 +51,23 @@ impl Records<'_> {
             length: (bonded && !self.is_twisted()).then(|| lengths(length, &end)),
             twist: self.radius().filter(|_| bonded).map(|radius| twist(radius, length, &end)),
             end,
-            absorbed: self.bar.area_given.then_some(absorbed),
-            // The strains of a twisted section differ from its surface's.
-            absorbed_per_volume: (!self.is_twisted()).then(|| absorbed / volume),
         };
+        let absorbed = Absorbed {
+            energy: self.bar.area_given.then_some(absorbed),
+            // The strains of a twisted section differ from its surface's.
+            per_volume: (!self.is_twisted()).then(|| absorbed / volume),
+        };
+        let figures = [PART.figures(&part), BAR.figures(&absorbed)].concat();
         let (name, description) = RESIDUAL_PROFILE;
         let profile = Some(Profile { name, description, values: self.residual_profile.to_vec() });
-        Group { profile, ..group(&[], "bar", end.accumulated > 0.0, PART.figures(&part)) }
+        Group { profile, ..group(&[], "bar", end.accumulated > 0.0, figures) }
     }
 
     fn segment(&self, k: usize) -> Group {
         let (end, length) = (self.segments[k], self.bar.segments[k].length);
         let twist = self.radius().map(|radius| twist(radius, length, &end));
         let length = (!self.is_twisted()).then(|| lengths(length, &end));
-        let part = Part { length, twist, end, absorbed: None, absorbed_per_volume: None };
+        let part = Part { length, twist, end };
         let number = (k + 1).to_string();
         group(&["segments", &number], &format!("segment {number}"), end.accumulated > 0.0, PART.figures(&part))
     }

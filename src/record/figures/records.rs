@@ -77,8 +77,12 @@ pub(super) struct Part {
     /// and in axial bars.
     pub twist: Option<[f64; 2]>,
     pub end: SegmentEnd,
-    /// J; none for a part of the bar, and where the scene gives no area.
-    pub absorbed: Option<f64>,
-    /// J/m^3.
-    pub absorbed_per_volume: Option<f64>,
+}
+
+/// What the whole bar has absorbed.
+pub(super) struct Absorbed {
+    /// J; none where the scene gives no area.
+    pub energy: Option<f64>,
+    /// J/m^3; none in torsion.
+    pub per_volume: Option<f64>,
 }

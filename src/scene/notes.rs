@@ -118,19 +118,36 @@ impl Scene {
                 EndCondition::Wall { .. } => ("wall", 0.0),
                 _ => return None,
             };
-            let against = format!("at {own} m/s, {what} at {velocity} m/s");
-            (inward * (velocity - own) < 0.0)
-                .then(|| format!("the bar and the {what} at the {side} end move apart ({against})"))
+            let [own_shown, shown] = [own, velocity].map(|v| self.velocity_of_body(v, end, side));
+            (inward * (velocity - own) < 0.0).then(|| {
+                let bar = if self.torsion.is_some() && what == "ball" { "lever" } else { "bar" };
+                format!("the {bar} and the {what} at the {side} end move apart (at {own_shown}, {what} at {shown})")
+            })
         });
         let at_joint = segments.windows(2).enumerate().filter_map(|(k, pair)| {
             let (ahead, behind) = (pair[0].end_velocities()[1], pair[1].end_velocities()[0]);
             (matches!(pair[0].joint, Joint::Contact { .. }) && behind > ahead)
                 .then(|| format!("the segments move apart at joint {} ({ahead} m/s and {behind} m/s)", k + 1))
         });
-        at_end
-            .chain(at_joint)
-            .map(|note| format!("{note}: velocities are positive in +x, from left to right"))
-            .collect()
+        let rule = if self.torsion.is_some() {
+            "velocities are positive in the same sense of rotation at both ends, and a body meets the bar at the left end if its velocity is the \
+             larger one, at the right end if it is the smaller one"
+        } else {
+            "velocities are positive in +x, from left to right"
+        };
+        at_end.chain(at_joint).map(|note| format!("{note}: {rule}")).collect()
+    }
+
+    /// A velocity at an end in terms of its body: in torsion, where it is that of the surface, a ball has that of the lever that it strikes.
+    fn velocity_of_body(&self, velocity: f64, end: &EndCondition, side: &str) -> String {
+        let shown = |value, dimension| units::format(value, dimension, System::Si);
+        match (&self.torsion, end) {
+            (None, _) => shown(velocity, Dimension::Velocity),
+            (Some(torsion), EndCondition::Ball { .. }) => {
+                shown(velocity * torsion.levers[usize::from(side == "right")], Dimension::Velocity)
+            }
+            (Some(torsion), _) => shown(velocity / torsion.radius, Dimension::AngularVelocity),
+        }
     }
 
     /// Balls whose contact lasts few time steps: their force is too small on a grid, or too large where the bar yields.

@@ -160,6 +160,28 @@ fn a_striker_that_moves_away_is_noted() {
     );
 }
 
+/// A lever is struck by a ball of its own velocity, and x has no part in a rotation.
+#[test]
+fn a_ball_that_leaves_a_lever_is_noted_with_its_own_velocity() {
+    let ball =
+        "kind = \"ball\"\narm = \"20 mm\"\nradius = \"5 mm\"\ndensity = 7800\nmodulus = \"200 GPa\"\npoisson = 0.3";
+    let scene = "title = \"t\"\n[bar]\nmode = \"torsion\"\nlength = 0.5\ndiameter = \"30 mm\"\n\
+                 material = { name = \"s\", loading = \"shear\", density = 7800, modulus = \"80 GPa\", beyond = \"extend\", \
+                 curve = { table = [[0, 0], [0.5, \"40 GPa\"]] } }\n[left]\nkind = \"free\"\n[solve]\nuntil = \"100 us\"\n";
+    let right = |velocity: &str| format!("{scene}[right]\n{ball}\nvelocity = {velocity}\n");
+    assert_noted(
+        &right("2"),
+        &[
+            "the lever and the ball at the right end move apart (at 0 m/s, ball at 2 m/s)",
+            "positive in the same sense of rotation at both ends",
+        ],
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let (code, text) = says(folder.path(), "check", &right("-2"));
+    assert!(code == Some(0) && !text.contains("move apart"), "{text}");
+    assert!(!says(folder.path(), "check", &right("2")).1.contains("+x"));
+}
+
 #[test]
 fn a_bar_that_moves_away_from_what_it_shall_hit_is_noted() {
     let flies = |scene: String, velocity: &str| {

@@ -235,7 +235,7 @@ pub struct Striker {
 pub struct TwistingStriker {
     /// Its moment of inertia.
     pub inertia: Of<measures::MomentOfInertia, Positive>,
-    /// Its velocity at the start.
+    /// Its velocity at the start, positive in the same sense of rotation at both ends.
     pub velocity: Of<measures::AngularVelocity>,
 }
 
@@ -250,7 +250,7 @@ raw_body! {
 
 raw_body! {
     BallOnLever sphere {
-        /// Its velocity at the start.
+        /// Its velocity at the start, positive in the same sense of rotation at both ends: a ball on a lever at rest meets it with a positive velocity at the left end, with a negative one at the right end.
         pub velocity: Of<measures::Velocity>,
         /// The arm of the rigid lever that it strikes; the torque is force times arm.
         pub arm: Of<measures::Length, Positive>,

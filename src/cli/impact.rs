@@ -2,28 +2,37 @@
 
 use super::lines::Lines;
 use super::summary::note_lines;
-use crate::impact::Line;
-use crate::record::ImpactSummary;
+use crate::impact::{Line, Solution};
+use crate::record::{ImpactPlan, ImpactSummary};
 use crate::units::{System, format};
 
 /// The summary for people.
 pub(super) fn text(s: &ImpactSummary, units: System) -> String {
     let mut lines = Lines::under(&s.scene);
-    let solution = &s.solution;
+    lines.add("outcome", s.solution.outcome);
+    add(&mut lines, s.method, &s.solution, units);
     if !s.output.is_empty() {
-        lines.add("outcome", solution.outcome);
+        lines.add("result", &s.output);
     }
-    lines.add("method", std::format!("{} {}", s.method, solution.scheme));
+    lines.text()
+}
+
+/// The plan for people.
+pub(super) fn plan_text(p: &ImpactPlan, units: System) -> String {
+    let mut lines = Lines::under(&p.scene);
+    add(&mut lines, p.method, &p.solution, units);
+    lines.text()
+}
+
+/// The lines of plans and summaries.
+fn add(lines: &mut Lines, method: &str, solution: &Solution, units: System) {
+    lines.add("method", std::format!("{method} {}", solution.scheme));
     lines.add("equation", &solution.equation);
     lines.add("validity", &solution.validity);
     for line in &solution.lines {
         lines.add(line.label, filled(line, units));
     }
     lines.extend(note_lines(&solution.warnings, units));
-    if !s.output.is_empty() {
-        lines.add("result", &s.output);
-    }
-    lines.text()
 }
 
 /// The text with its values in their places.

@@ -34,7 +34,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         Problem::Bar(scene) => scene,
         Problem::Impact(scene) => {
             let plan = plan_impact(&scene);
-            let text = || super::impact::text(&plan, args.units);
+            let text = || super::impact::plan_text(&plan, args.units);
             return if args.json { output::json(&plan) } else { output::text(&text()) };
         }
     };

@@ -23,6 +23,17 @@ pub struct ImpactSummary {
     pub output: String,
 }
 
+/// What `barwave plan --json` prints of such a scene: what is known without an integration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpactPlan {
+    /// Scene title.
+    pub scene: String,
+    /// "energy", "spheres", "plate" or "beam".
+    pub method: &'static str,
+    /// What is known of the result.
+    pub solution: Solution,
+}
+
 /// One map a row, with the keys of figures.
 fn rows(table: &Table) -> Vec<BTreeMap<String, f64>> {
     let count = table.columns.first().map_or(0, |column| column.values.len());
@@ -32,33 +43,46 @@ fn rows(table: &Table) -> Vec<BTreeMap<String, f64>> {
 
 impl Serialize for ImpactSummary {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let solution = &self.solution;
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("scene", &self.scene)?;
-        map.serialize_entry("outcome", solution.outcome)?;
-        map.serialize_entry("method", self.method)?;
-        map.serialize_entry("scheme", solution.scheme)?;
-        map.serialize_entry("effects", &[(); 0])?;
-        for figure in &solution.figures {
-            map.serialize_entry(&figure.json_key(), &figure.json_value())?;
-        }
-        if !solution.gauges.is_empty() {
-            let of =
-                |figures: &[Figure]| figures.iter().map(|f| (f.json_key(), f.json_value())).collect::<BTreeMap<_, _>>();
-            let gauges: BTreeMap<_, _> = solution.gauges.iter().map(|(name, figures)| (name, of(figures))).collect();
-            map.serialize_entry("gauges", &gauges)?;
-        }
-        for (name, flag) in &solution.flags {
-            map.serialize_entry(name, flag)?;
-        }
-        if let Some(contacts) = solution.tables.iter().find(|table| table.path == "contacts") {
-            map.serialize_entry("contacts", &rows(contacts))?;
-        }
-        map.serialize_entry("equation", &solution.equation)?;
-        map.serialize_entry("validity", &solution.validity)?;
-        map.serialize_entry("notes", &solution.warnings)?;
+        map.serialize_entry("outcome", self.solution.outcome)?;
+        entries(&mut map, self.method, &self.solution)?;
         map.serialize_entry("wall_s", &self.wall_s)?;
         map.serialize_entry("output", &self.output)?;
         map.end()
     }
+}
+
+impl Serialize for ImpactPlan {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("scene", &self.scene)?;
+        entries(&mut map, self.method, &self.solution)?;
+        map.end()
+    }
+}
+
+/// The keys of plans and summaries.
+fn entries<M: SerializeMap>(map: &mut M, method: &str, solution: &Solution) -> Result<(), M::Error> {
+    map.serialize_entry("method", method)?;
+    map.serialize_entry("scheme", solution.scheme)?;
+    map.serialize_entry("effects", &[(); 0])?;
+    for figure in &solution.figures {
+        map.serialize_entry(&figure.json_key(), &figure.json_value())?;
+    }
+    if !solution.gauges.is_empty() {
+        let of =
+            |figures: &[Figure]| figures.iter().map(|f| (f.json_key(), f.json_value())).collect::<BTreeMap<_, _>>();
+        let gauges: BTreeMap<_, _> = solution.gauges.iter().map(|(name, figures)| (name, of(figures))).collect();
+        map.serialize_entry("gauges", &gauges)?;
+    }
+    for (name, flag) in &solution.flags {
+        map.serialize_entry(name, flag)?;
+    }
+    if let Some(contacts) = solution.tables.iter().find(|table| table.path == "contacts") {
+        map.serialize_entry("contacts", &rows(contacts))?;
+    }
+    map.serialize_entry("equation", &solution.equation)?;
+    map.serialize_entry("validity", &solution.validity)?;
+    map.serialize_entry("notes", &solution.warnings)
 }

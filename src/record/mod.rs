@@ -41,7 +41,7 @@ pub use figures::{
 };
 pub use frames::{Frames, Twisted, read_frame};
 pub use fronts::FrontTracker;
-pub use impact::ImpactSummary;
+pub use impact::{ImpactPlan, ImpactSummary};
 pub use joint_rows::JointRows;
 pub use ledger::Ledger;
 pub use length::LengthSummary;

@@ -6,8 +6,8 @@ use std::time::Instant;
 use super::distinct;
 use crate::error::{Error, Result};
 use crate::impact::Watch;
-use crate::record::ImpactSummary;
 use crate::record::store::{Header, check_output, write_impact};
+use crate::record::{ImpactPlan, ImpactSummary};
 use crate::scene::ImpactScene;
 
 /// Solves the impact and writes a result file if requested, with its missing folders; as for [`super::run`] it replaces only another result.
@@ -30,7 +30,8 @@ pub(crate) fn impact_to_checked_file(
     let started = Instant::now();
     let mut solution = scene.problem.solve(watch)?;
     solution.warnings.extend(scene.notes());
-    let mut summary = ImpactSummary { solution, ..plan_impact(scene) };
+    let (title, method) = (scene.title.clone(), scene.problem.method());
+    let mut summary = ImpactSummary { scene: title, method, solution, wall_s: 0.0, output: String::new() };
     if let Some(path) = output {
         let header = Header {
             title: scene.title.clone(),
@@ -55,14 +56,8 @@ pub(crate) fn impact_to_checked_file(
 }
 
 /// What is known of the impact without an integration.
-pub fn plan_impact(scene: &ImpactScene) -> ImpactSummary {
+pub fn plan_impact(scene: &ImpactScene) -> ImpactPlan {
     let mut solution = scene.problem.planned();
     solution.warnings.extend(scene.notes());
-    ImpactSummary {
-        scene: scene.title.clone(),
-        method: scene.problem.method(),
-        solution,
-        wall_s: 0.0,
-        output: String::new(),
-    }
+    ImpactPlan { scene: scene.title.clone(), method: scene.problem.method(), solution }
 }

@@ -365,6 +365,17 @@ fn timoshenko_s_beams() {
 }
 
 /// A support does not move: the rounding of sin(n pi) there is no result that could converge.
+/// Nothing tells how accurate a result with a given number of modes is.
+#[test]
+fn a_given_number_of_modes_is_noted() {
+    let summary = run("beam.toml", &["solve.modes=64"]);
+    assert!(summary["error"].is_null(), "{summary}");
+    assert!(
+        summary["notes"].to_string().contains("`solve.modes` fixes the number of modes: the error is not estimated"),
+        "{summary}"
+    );
+}
+
 #[test]
 fn gauges_at_the_supports_read_zeros() {
     for length in ["15.35 cm", "10 cm", "70 cm"] {

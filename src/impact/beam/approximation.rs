@@ -115,6 +115,9 @@ impl Beam {
         solution.warnings.extend(self.is_not_slender());
         solution.warnings.extend(self.excites_short_waves());
         solution.warnings.extend(self.is_wide());
+        solution.warnings.extend(self.modes.map(|_| {
+            "`solve.modes` fixes the number of modes: the error is not estimated, and `solve.tolerance` of the result is not checked".into()
+        }));
         solution
     }
 

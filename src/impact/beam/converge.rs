@@ -1,6 +1,7 @@
 //! Convergence: modes and steps are increased until the tolerance is met.
 
 use super::Beam;
+use super::extremes::Peak;
 use super::observe::Observer;
 use crate::impact::Watch;
 use crate::impact::contact::{Contact, History, Horizon, Touch};
@@ -40,7 +41,7 @@ impl Level {
         let mut results = vec![own(first.peak_force), own(first.end), [last, velocity]];
         for reading in [0, 2] {
             let gauges = 0..self.observer.readings.len();
-            let extremes: Vec<f64> = gauges.map(|gauge| self.observer.largest(gauge, reading)).collect();
+            let extremes: Vec<f64> = gauges.map(|gauge| self.observer.largest(gauge, reading).value).collect();
             // A gauge that hardly moves is as close as the others, not closer.
             let scale = extremes.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
             results.extend(extremes.into_iter().map(|value| [value, scale]));
@@ -221,13 +222,22 @@ impl Beam {
     fn extremes(&self, solution: &mut Solution, observer: &Observer) {
         for (gauge, (name, _)) in self.gauges.iter().enumerate() {
             let [w, m, e] = [0, 1, 2].map(|reading| observer.largest(gauge, reading));
-            let text = format!("{}: largest deflection {{}}, moment {{}}, strain {{}}", name.replace(['{', '}'], ""));
+            let name_shown = name.replace(['{', '}'], "");
+            let text =
+                format!("{name_shown}: largest deflection {{}} at {{}}, moment {{}} at {{}}, strain {{}} at {{}}");
             let values = [(w, Length), (m, Torque), (e, Plain)];
+            let values = values.map(|(peak, dimension)| [(peak.value, dimension), (peak.time, Time)]).concat();
             solution.lines.push(Line::new("gauge", text, &values));
+            let time = |name, long_name, peak: Peak| {
+                Figure::new(name, Time, long_name, if peak.value == 0.0 { f64::NAN } else { peak.time })
+            };
             let figures = vec![
-                Figure::new("peak_deflection", Length, "deflection of largest magnitude", w),
-                Figure::new("peak_moment", Torque, "bending moment of largest magnitude", m),
-                Figure::new("peak_strain", Plain, "strain of largest magnitude", e),
+                Figure::new("peak_deflection", Length, "deflection of largest magnitude", w.value),
+                time("time_of_peak_deflection", "time at which the peak deflection is first reached", w),
+                Figure::new("peak_moment", Torque, "bending moment of largest magnitude", m.value),
+                time("time_of_peak_moment", "time at which the peak moment is first reached", m),
+                Figure::new("peak_strain", Plain, "strain of largest magnitude", e.value),
+                time("time_of_peak_strain", "time at which the peak strain is first reached", e),
             ];
             solution.gauges.push((name.clone(), figures));
         }

@@ -6,14 +6,67 @@ use crate::impact::oscillator::Oscillator;
 /// What is not worth a search, over the largest reading of all places.
 const NEGLIGIBLE: f64 = 1e-8;
 
+/// Peaks are as large as each other where they differ by less: a free beam that is struck at midspan returns to the same deflection with the other
+/// sign after half a period, and the largest readings are found to within this part of themselves.
+const EQUAL: f64 = 1e-6;
+
 /// Parts into which a run is divided, at most.
 const MOST_PARTS: f64 = 4_194_304.0;
+
+/// The largest reading of one sign.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Peak {
+    /// With its sign.
+    pub value: f64,
+    /// When it is first reached, s.
+    pub time: f64,
+    /// The reading at that time: with its sign, and up to rounding as large.
+    then: f64,
+}
+
+impl Peak {
+    /// Takes a reading of its sign.
+    fn note(&mut self, value: f64, time: f64) {
+        let (size, then) = (value.abs(), self.then.abs());
+        if size > then * (1.0 + EQUAL) || time < self.time && size > then * (1.0 - EQUAL) {
+            (self.then, self.time) = (value, time);
+        }
+        if size > self.value.abs() {
+            self.value = value;
+        }
+    }
+}
+
+/// The largest readings of both signs, positive first.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Peaks([Peak; 2]);
+
+impl Peaks {
+    pub fn note(&mut self, value: f64, time: f64) {
+        if value != 0.0 {
+            self.0[usize::from(value < 0.0)].note(value, time);
+        }
+    }
+
+    /// The largest magnitude.
+    fn size(&self) -> f64 {
+        self.0[0].value.max(-self.0[1].value)
+    }
+
+    /// That of largest magnitude; the earlier of two that are equal.
+    pub fn largest(&self) -> Peak {
+        let [up, down] = self.0;
+        let (high, low) = (up.value, -down.value);
+        let is_up = high > low * (1.0 + EQUAL) || low <= high * (1.0 + EQUAL) && up.time <= down.time;
+        if is_up { up } else { down }
+    }
+}
 
 /// The readings of largest magnitude so far.
 pub(super) struct Extremes {
     /// Each with its factors, and with their magnitudes.
     places: Vec<[Place; 2]>,
-    pub values: Vec<Readings>,
+    pub peaks: Vec<[Peaks; 3]>,
     /// Smaller readings are not searched for.
     least: Vec<Readings>,
     /// The modes and the readings at the last look.
@@ -28,52 +81,54 @@ impl Extremes {
         let shortest = (finest / 64.0).max(end / MOST_PARTS);
         let least = places.iter().map(|(_, least)| *least).collect();
         let places: Vec<[Place; 2]> = places.iter().map(|(place, _)| [place.clone(), place.magnitude()]).collect();
-        Self { values: vec![[0.0; 3]; places.len()], least, places, before: (Vec::new(), Vec::new()), shortest }
+        let peaks = vec![[Peaks::default(); 3]; places.len()];
+        Self { peaks, least, places, before: (Vec::new(), Vec::new()), shortest }
     }
 
-    /// After free motion over a time, s; 0: the bodies were in contact.
-    pub fn look(&mut self, modes: &[Oscillator], force: f64, flown: f64) {
+    /// At a time, s, after free motion over another; 0: the bodies were in contact.
+    pub fn look(&mut self, modes: &[Oscillator], force: f64, [time, flown]: [f64; 2]) {
         if self.places.is_empty() {
             return;
         }
-        let now = self.keep(modes, force);
+        let now = self.keep(modes, force, time);
         let (mut then, readings) = std::mem::take(&mut self.before);
         if flown > 0.0 {
             let swings: Vec<Oscillator> = then.iter().map(Oscillator::swing).collect();
             let most: Vec<Readings> = self.places.iter().map(|[_, magnitude]| magnitude.read(&swings, 0.0)).collect();
-            self.search(&then, [&readings, &now, &most], flown);
+            self.search(&then, [&readings, &now, &most], [time - flown, flown]);
         }
         then.clear();
         then.extend_from_slice(modes);
         self.before = (then, now);
     }
 
-    fn keep(&mut self, modes: &[Oscillator], force: f64) -> Vec<Readings> {
+    fn keep(&mut self, modes: &[Oscillator], force: f64, time: f64) -> Vec<Readings> {
         let now: Vec<Readings> = self.places.iter().map(|[place, _]| place.read(modes, force)).collect();
-        for (most, value) in self.values.iter_mut().flatten().zip(now.iter().flatten()) {
-            *most = if value.abs() > most.abs() { *value } else { *most };
+        for (peaks, value) in self.peaks.iter_mut().flatten().zip(now.iter().flatten()) {
+            peaks.note(*value, time);
         }
         now
     }
 
-    /// Halves a time of free motion from these modes, with the readings at its ends and those of all modes at their amplitudes, until it cannot
-    /// hold more than is known.
-    fn search(&mut self, modes: &[Oscillator], [from, to, most]: [&[Readings]; 3], time: f64) {
+    /// Halves a time of free motion from these modes, which begins at a time, with the readings at its ends and those of all modes at their
+    /// amplitudes, until it cannot hold more than is known.
+    fn search(&mut self, modes: &[Oscillator], [from, to, most]: [&[Readings]; 3], [start, time]: [f64; 2]) {
         if time <= self.shortest || !self.may_exceed(modes, [from, to, most], time) {
             return;
         }
-        let middle: Vec<Oscillator> = modes.iter().map(|mode| mode.after(0.5 * time)).collect();
-        let readings = self.keep(&middle, 0.0);
-        self.search(modes, [from, &readings, most], 0.5 * time);
-        self.search(&middle, [&readings, to, most], 0.5 * time);
+        let half = 0.5 * time;
+        let middle: Vec<Oscillator> = modes.iter().map(|mode| mode.after(half)).collect();
+        let readings = self.keep(&middle, 0.0, start + half);
+        self.search(modes, [from, &readings, most], [start, half]);
+        self.search(&middle, [&readings, to, most], [start + half, half]);
     }
 
     /// A reading may be larger within a time than so far: it is off the line between its ends by up to an eighth of its largest bend times
     /// the square of the time, and no larger than with all modes at their amplitudes.
     fn may_exceed(&self, modes: &[Oscillator], [from, to, most]: [&[Readings]; 3], time: f64) -> bool {
-        let scale = |i: usize| self.values.iter().fold(0.0, |most: f64, value| most.max(value[i].abs()));
+        let scale = |i: usize| self.peaks.iter().fold(0.0, |most: f64, peaks| most.max(peaks[i].size()));
         let scale: Readings = std::array::from_fn(scale);
-        let known = |k: usize, i: usize| (self.values[k][i].abs() + NEGLIGIBLE * scale[i]).max(self.least[k][i]);
+        let known = |k: usize, i: usize| (self.peaks[k][i].size() + NEGLIGIBLE * scale[i]).max(self.least[k][i]);
         let may = |k: usize| (0..3).any(|i| most[k][i] > known(k, i));
         let places: Vec<usize> = (0..self.places.len()).filter(|&k| may(k)).collect();
         if places.is_empty() {
@@ -85,5 +140,27 @@ impl Extremes {
             let reach = |i: usize| from[k][i].abs().max(to[k][i].abs()) + 0.125 * bend[i] * time * time;
             (0..3).any(|i| reach(i).min(most[k][i]) > known(k, i))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Equal to rounding, in any order of search.
+    #[test]
+    fn the_first_of_equal_peaks_counts() {
+        let rounded = 2.0 * (1.0 + 1e-9);
+        for readings in [[(2.0, 1.0), (-rounded, 3.0), (rounded, 5.0)], [(-rounded, 3.0), (rounded, 5.0), (2.0, 1.0)]] {
+            let mut peaks = Peaks::default();
+            for (value, time) in readings {
+                peaks.note(value, time);
+            }
+            let first = peaks.largest();
+            assert_eq!((first.value, first.time), (rounded, 1.0));
+            // A later one that is larger by more.
+            peaks.note(-2.0 * (1.0 + 1e-5), 7.0);
+            assert_eq!((peaks.largest().value, peaks.largest().time), (-2.0 * (1.0 + 1e-5), 7.0));
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Beam;
 use super::approximation::HalfSine;
-use super::extremes::Extremes;
+use super::extremes::{Extremes, Peak, Peaks};
 use super::shape::{Place, Readings};
 use crate::bar::Hertz;
 use crate::impact::contact::Moment;
@@ -81,17 +81,23 @@ pub(super) fn columns(gauges: usize) -> usize {
     contact_table().columns.len() + ledger_table().columns.len() + gauges * gauge_table("", 0.0).columns.len()
 }
 
-/// The value of largest magnitude of a column over time: the vertex of the parabola through the largest sample and its neighbours, where these
-/// are not farther than the finest steps of free flight.
-fn vertex(table: &Table, column: &str, finest: f64) -> f64 {
+/// The largest value of a column over time of one sign, and its time, where it is reached in contact: the vertex of the parabola through the
+/// largest sample and its neighbours, where these are not farther than the finest steps of free flight. Zeros where it is in free flight, in which the
+/// motion between samples is known.
+fn vertex(table: &Table, column: &str, (force, finest): (&[f64], f64), sign: f64) -> [f64; 2] {
     let (time, values) = (table.column("time"), table.column(column));
-    let Some(i) = (0..values.len()).max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs())) else { return 0.0 };
+    // The first of equal samples.
+    let larger = |a: usize, b: usize| if sign * values[b] > sign * values[a] { b } else { a };
+    let Some(i) = (0..values.len()).reduce(larger).filter(|&i| sign * values[i] > 0.0 && force[i] > 0.0) else {
+        return [0.0, 0.0];
+    };
+    let sample = [values[i], time[i]];
     if i == 0 || i + 1 == values.len() {
-        return values[i];
+        return sample;
     }
     let (before, after) = (time[i - 1] - time[i], time[i + 1] - time[i]);
     if after - before > 2.001 * finest {
-        return values[i];
+        return sample;
     }
     let (low, high) = (values[i - 1] - values[i], values[i + 1] - values[i]);
     // slope t + bend t^2 through both neighbours.
@@ -99,7 +105,7 @@ fn vertex(table: &Table, column: &str, finest: f64) -> f64 {
     let slope = high / after - bend * after;
     let vertex = -0.5 * slope / bend;
     // Outside its three samples the parabola says nothing; with equal samples the vertex is no number.
-    if (before..=after).contains(&vertex) { values[i] + 0.5 * slope * vertex } else { values[i] }
+    if (before..=after).contains(&vertex) { [values[i] + 0.5 * slope * vertex, time[i] + vertex] } else { sample }
 }
 
 impl Observer {
@@ -140,7 +146,7 @@ impl Observer {
         let [deflection, ..] = self.struck.read(modes, force);
         let half_sine = self.pulse.force(time);
         self.contact.push(&[time, force, half_sine, moment.approach, striker.q, deflection, striker.v]);
-        self.extremes.look(modes, force, moment.flown);
+        self.extremes.look(modes, force, [time, moment.flown]);
         self.balance(moment, striker, modes);
         self.gauge(time, force, modes);
         self.shape(time, force, modes);
@@ -185,15 +191,19 @@ impl Observer {
         }
     }
 
-    /// The reading of largest magnitude at a gauge; in contact, of the parabola through the largest row and its neighbours.
-    pub fn largest(&self, gauge: usize, reading: usize) -> f64 {
-        let (vertex, value) =
-            (vertex(&self.readings[gauge], READINGS[reading], self.finest), self.extremes.values[gauge][reading]);
-        if vertex.abs() > value.abs() { vertex } else { value }
+    /// The reading of largest magnitude at a gauge, the first of equal ones; in contact, of the parabola through the largest row and its neighbours.
+    pub fn largest(&self, gauge: usize, reading: usize) -> Peak {
+        let mut peaks: Peaks = self.extremes.peaks[gauge][reading];
+        let contact = (self.contact.column("force"), self.finest);
+        for sign in [1.0, -1.0] {
+            let [value, time] = vertex(&self.readings[gauge], READINGS[reading], contact, sign);
+            peaks.note(value, time);
+        }
+        peaks.largest()
     }
 
     /// Largest strain of bending at the gauges, and at the impact where it is known when the beam yields.
     pub fn strain(&self) -> f64 {
-        self.extremes.values.iter().fold(0.0, |most, value| most.max(value[2].abs()))
+        self.extremes.peaks.iter().fold(0.0, |most, peaks| most.max(peaks[2].largest().value.abs()))
     }
 }

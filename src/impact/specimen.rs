@@ -228,7 +228,13 @@ impl Blow {
         vec![
             figure("available", "available_energy", Energy, "kinetic energy of the striker", outcome.available),
             figure("capacity", "capacity", Energy, "energy absorbed to fracture", outcome.capacity),
-            figure("capacity_per_volume", "capacity", EnergyDensity, "energy absorbed to fracture", per_volume),
+            figure(
+                "capacity_per_volume",
+                "capacity",
+                EnergyDensity,
+                "energy absorbed to fracture per volume",
+                per_volume,
+            ),
             figure("absorbed", "absorbed_energy", Energy, "energy absorbed by the specimen", outcome.absorbed),
             figure("residual_velocity", "residual_velocity", Velocity, residual, outcome.residual_velocity),
             figure("threshold_velocity", "threshold_velocity", Velocity, threshold, outcome.threshold_velocity),

@@ -174,6 +174,9 @@ fn closed_forms(solids: &[Solid; 2]) -> Solution {
     let approach = contact.largest_approach(mass, closing);
     let mut solution = theory(solids[1].mass.is_infinite());
     solution.lines.push(Line::new("closing velocity", "{}, reduced mass {}", &[(closing, Velocity), (mass, Mass)]));
+    let long_name = "velocity of the striker relative to the struck body before the impact";
+    solution.figures.push(Figure::new("closing_velocity", Velocity, long_name, closing));
+    solution.figures.push(Figure::new("reduced_mass", Mass, "reduced mass of both bodies", mass));
     solution.add("largest approach", Figure::new("approach", Length, "largest approach of the centres", approach));
     solution.add("largest force", Figure::new("peak_force", Force, "largest contact force", contact.force(approach)));
     let duration = contact.contact_time(mass, closing);

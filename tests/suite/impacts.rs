@@ -5,7 +5,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::common::binary;
-use crate::common::impacts::{barwave, number, run, scene, to_six_digits, within};
+use crate::common::impacts::{barwave, number, recorded, run, scene, to_six_digits, within};
 
 #[test]
 fn restitution_and_pendulum_have_the_textbook_s_velocities() {
@@ -391,6 +391,21 @@ fn a_given_number_of_modes_is_noted() {
         summary["notes"].to_string().contains("`solve.modes` fixes the number of modes: the error is not estimated"),
         "{summary}"
     );
+}
+
+#[test]
+fn pages_and_summaries_of_impacts_have_every_figure_once() {
+    let summary = run("spheres.toml", &[]);
+    within(&summary, "closing_velocity_m_s", 1.0, 0.0);
+    within(&summary, "reduced_mass_kg", 2.0 / 3.0 * std::f64::consts::PI * 1e-6 * 7850.0, 1e-15);
+    let (_, stored) = recorded("energy-method.toml", &[]);
+    let names: Vec<&str> = stored.figures.iter().map(|figure| figure.long_name.as_str()).collect();
+    // As in the summary, and no two with one name.
+    assert_eq!(
+        names[..3],
+        ["kinetic energy of the striker", "energy absorbed to fracture", "energy absorbed to fracture per volume"]
+    );
+    assert!(names.iter().enumerate().all(|(i, name)| !names[..i].contains(name)), "{names:?}");
 }
 
 #[test]

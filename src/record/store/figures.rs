@@ -3,7 +3,7 @@
 use hdf5::{Dataset, File, Group};
 
 use super::Figures;
-use super::attributes::{describe, get_text};
+use super::attributes::{describe, get, get_text};
 use super::read::{ResultFile, gauge_groups};
 use super::scales::attach;
 use crate::error::Result;
@@ -83,15 +83,19 @@ pub struct StoredPlace {
     pub figures: Vec<StoredFigure>,
 }
 
-/// The scalars of a group.
+/// The scalars of a group: by the order that they state, and else by their names.
 pub(super) fn scalars(group: &Group) -> Hdf<Vec<StoredFigure>> {
     let datasets = group.datasets()?;
     let read = |dataset: &Dataset| {
         let name = dataset.name().rsplit('/').next().unwrap_or_default().to_owned();
         let (long_name, units) = (get_text(dataset, "long_name")?, get_text(dataset, "units")?);
-        Ok(StoredFigure { name, long_name, units, value: dataset.read_scalar()? })
+        let index = get::<u32>(dataset, "index").unwrap_or(0);
+        Ok((index, StoredFigure { name, long_name, units, value: dataset.read_scalar()? }))
     };
-    datasets.iter().filter(|dataset| dataset.is_scalar()).map(read).collect()
+    let mut figures =
+        datasets.iter().filter(|dataset| dataset.is_scalar()).map(read).collect::<Hdf<Vec<(u32, StoredFigure)>>>()?;
+    figures.sort_by_key(|(index, _)| *index);
+    Ok(figures.into_iter().map(|(_, figure)| figure).collect())
 }
 
 impl ResultFile {

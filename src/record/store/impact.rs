@@ -36,11 +36,11 @@ pub fn write_impact(
         let group = file.create_group(kind)?;
         put_text(&group, "equation", &solution.equation)?;
         put_text(&group, "validity", &solution.validity)?;
-        solution.figures.iter().filter(|figure| figure.value.is_finite()).try_for_each(|f| write_figure(&group, f))?;
+        write_figures(&group, &solution.figures)?;
         solution.tables.iter().try_for_each(|table| write_table(&group, table))?;
         for (name, figures) in &solution.gauges {
             let group = group_at(&group, &format!("gauges/{name}"))?;
-            figures.iter().filter(|figure| figure.value.is_finite()).try_for_each(|f| write_figure(&group, f))?;
+            write_figures(&group, figures)?;
         }
         solution.shapes.iter().try_for_each(|shapes| write_shapes(&group, shapes))?;
         put_quantity(file, "wall_seconds", wall_seconds, "s")?;
@@ -50,10 +50,15 @@ pub fn write_impact(
     .map(|_| ())
 }
 
-fn write_figure(group: &Group, figure: &Figure) -> Hdf<()> {
-    let dataset = group.new_dataset::<f64>().create(figure.name)?;
-    dataset.write_scalar(&figure.value)?;
-    describe(&dataset, &figure.dimension.units(), figure.long_name)
+/// Those that have a value, with their order: groups list their links by name.
+fn write_figures(group: &Group, figures: &[Figure]) -> Hdf<()> {
+    for (index, figure) in (0_u32..).zip(figures).filter(|(_, figure)| figure.value.is_finite()) {
+        let dataset = group.new_dataset::<f64>().create(figure.name)?;
+        dataset.write_scalar(&figure.value)?;
+        describe(&dataset, &figure.dimension.units(), figure.long_name)?;
+        put(&dataset, "index", &index)?;
+    }
+    Ok(())
 }
 
 /// The group of a table, made with those above it.

@@ -57,6 +57,14 @@ kinds! {
     DropWeight: "drop-weight.toml", "run";
     /// A pulse that breaks a scab off the free end.
     Spall: "spall.toml", "run";
+    /// A striker and a specimen by the energy method, without waves.
+    EnergyMethod: "energy-method.toml", "run";
+    /// Two spheres that collide.
+    Spheres: "spheres.toml", "run";
+    /// A sphere that strikes a plate.
+    Plate: "plate.toml", "run";
+    /// A sphere that strikes a simply supported beam.
+    Beam: "beam.toml", "run";
     /// A sweep, and NAME-scene.toml, the scene that it varies.
     Sweep: "sweep.toml", "sweep";
 }
@@ -125,16 +133,19 @@ fn exists(path: &Path) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::Problem;
 
     #[test]
     fn templates_are_right_scenes() {
         use clap::ValueEnum;
         for &kind in Kind::value_variants().iter().filter(|kind| **kind != Kind::Sweep) {
             let text = text(Path::new("my \"first\" bar.toml"), kind);
-            let scene =
-                Scene::parse("my \"first\" bar.toml", &text, Path::new(""), &[]).expect("the template is right");
-            assert_eq!(scene.title, "my \"first\" bar");
+            let read = Problem::parse("my \"first\" bar.toml", &text, Path::new(""), &[]);
+            let title = match read.expect("the template is right") {
+                Problem::Bar(scene) => scene.title.clone(),
+                Problem::Impact(scene) => scene.title,
+            };
+            assert_eq!(title, "my \"first\" bar");
         }
     }
 

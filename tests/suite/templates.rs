@@ -150,6 +150,19 @@ fn a_falling_mass_rebounds() {
 }
 
 #[test]
+fn impacts_without_a_bar_have_templates() {
+    assert_eq!(run("energy-method")["outcome"], "rupture");
+    // Equal balls exchange their velocities.
+    assert!((number(&run("spheres"), "/struck_velocity_m_s") - 1.0).abs() < 1e-9);
+    assert!((0.9..1.0).contains(&number(&run("plate"), "/restitution")));
+    assert!(number(&run("beam"), "/gauges/middle/peak_strain") > 0.0);
+    // Nothing in them is beyond the theory.
+    for kind in ["spheres", "plate", "beam"] {
+        assert_eq!(run(kind)["notes"].to_string(), "[]", "{kind}");
+    }
+}
+
+#[test]
 fn a_pulse_spalls() {
     let summary = run("spall");
     assert_eq!(summary["outcome"], "rupture");

@@ -36,6 +36,7 @@ mod half_sine;
 mod hard_cases;
 mod heat;
 mod hertz_on_bars;
+mod hopkinson_records;
 mod impacts;
 mod impacts_interrupted;
 mod initial_state;

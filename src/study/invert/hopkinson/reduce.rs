@@ -263,6 +263,7 @@ fn moments(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> V
     let steps = samples.clamp(FEWEST_MOMENTS, MOST_MOMENTS);
     let (one, two) = (&setup.incident, &setup.transmitted);
     let section = setup.area.recip();
+    let of_transmitted = transmitted_in_one_wave(one, two);
     let passed = one.delay() + two.delay();
     let mut strains = [0.0; 2];
     let mut before: Option<[f64; 2]> = None;
@@ -274,7 +275,7 @@ fn moments(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> V
         let transmitted = pulse.sign * at(&transmitted_gauge.0, &transmitted_gauge.1, t + passed);
         let rates = [
             (one.c0() * (incident - reflected) - two.c0() * transmitted) / setup.length,
-            -2.0 * one.c0() * reflected / setup.length,
+            (of_transmitted * transmitted - 2.0 * one.c0() * reflected) / setup.length,
         ];
         for (k, strain) in strains.iter_mut().enumerate() {
             *strain += 0.5
@@ -299,6 +300,12 @@ fn moments(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> V
         }
     };
     (0..=steps).map(moment).collect()
+}
+
+/// Velocity with which the faces approach per transmitted strain where they carry one force, m/s: by `F1 = F2` the incident strain is
+/// `i = t E2 A2/(E1 A1) - r`. Exactly 0 between equal bars.
+fn transmitted_in_one_wave(one: &ElasticBar, two: &ElasticBar) -> f64 {
+    one.c0() * (two.modulus * two.area / (one.modulus * one.area)) - two.c0()
 }
 
 /// Width of a sharp front after its way between the gauges, as time: lateral inertia (Love) spreads it over

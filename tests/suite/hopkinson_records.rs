@@ -1,0 +1,36 @@
+//! Records of split-Hopkinson tests: unequal bars.
+
+use barwave::study::invert::hopkinson::{ElasticBar, Moment, Options, Records, Setup, reduce};
+
+/// By one wave the strain rate between a steel bar and an aluminium bar was 1.6 times too large.
+#[test]
+fn one_wave_and_three_waves_agree_in_equilibrium_between_unequal_bars() {
+    let steel = ElasticBar { modulus: 200e9, density: 8000.0, area: 2e-4, distance: 1.0 };
+    let aluminium = ElasticBar { modulus: 70e9, density: 2800.0, area: 3e-4, distance: 0.6 };
+    let [i, r] = [1e-3, -7e-4];
+    // E A: 40 MN and 21 MN.
+    let t = 40.0 / 21.0 * (i + r);
+    let setup = Setup { incident: steel, transmitted: aluminium, length: 0.01, area: 1e-4 };
+    let way = setup.incident.distance / steel.c0();
+    let later = way + setup.transmitted.distance / aluminium.c0();
+    let on = |time: f64| f64::from(u8::from((0.0..100e-6).contains(&time)));
+    let time: Vec<f64> = (0..8000).map(|k| 1e-7 * f64::from(k) - 5e-5).collect();
+    let record = |strain: &dyn Fn(f64) -> f64| (time.clone(), time.iter().map(|&t| strain(t)).collect());
+    let records = Records {
+        incident: record(&|time| i * on(time) + r * on(time - 2.0 * way)),
+        transmitted: record(&|time| t * on(time - later)),
+    };
+    let options = Options { window: None, limit: None, equilibrium: 0.05, poisson: 0.29 };
+    let reduced = reduce(&setup, &records, &options).expect("a test");
+    // Faces approach by c1 (i - r) - c2 t, both bars have 5000 m/s.
+    let rate = 5000.0 * (i - r - t) / 0.01;
+    for part in [0.25, 0.5, 0.75] {
+        let moment: Moment = reduced.moments[(part * reduced.moments.len() as f64) as usize];
+        for found in [moment.rate, moment.rate_one_wave] {
+            assert!((found / rate - 1.0).abs() < 1e-9, "{found} {rate}");
+        }
+        assert!((moment.strain_one_wave / moment.strain - 1.0).abs() < 1e-9, "{moment:?}");
+        assert!((moment.stress_one_wave / moment.stress - 1.0).abs() < 1e-9, "{moment:?}");
+    }
+    assert_eq!(reduced.warnings, [""; 0]);
+}

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::csv::{self, CsvTable};
+use super::curve::above_modulus;
 use super::formula::{self, RawCurve, RawTabulate};
 use super::keys::Keys;
 use super::raw::RawMaterial;
@@ -89,7 +90,11 @@ impl<'a> Given<'a> {
             Data::Table(rows, _) => self.of_rows(rows, sense, modulus, keys)?,
             Data::Csv(file) => self.of_rows(&file.rows, sense, modulus, keys)?,
         };
-        let curve = Curve::new(&table.rows, self.beyond).map_err(|e| self.row_error(&e, keys))?;
+        let mut curve = Curve::new(&table.rows, self.beyond).map_err(|e| self.row_error(&e, keys))?;
+        if self.is_engineering_table() {
+            let modulus = modulus.unwrap_or_else(|| curve.steepest());
+            curve = curve.on_elastic_line(modulus);
+        }
         if let Some(modulus) = modulus {
             self.check_slopes(&curve, modulus, keys)?;
             self.check_unit(&curve, modulus, keys)?;
@@ -124,16 +129,21 @@ impl<'a> Given<'a> {
         Ok(tabulate_true_rows(past_origin, modulus, sense, self.how.tolerance)?)
     }
 
+    /// Its rows are those of the curve.
+    fn is_engineering_table(&self) -> bool {
+        self.measure == Measure::Engineering && !matches!(self.data, Data::Law(..))
+    }
+
     /// Refuses slopes above the modulus.
     fn check_slopes(&self, curve: &Curve, modulus: f64, keys: Keys<'_>) -> Result<()> {
         let Some((knot, slope)) = curve.steeper_than(modulus) else { return Ok(()) };
         let (strain, stress) = (curve.strain()[knot], curve.stress()[knot]);
-        let as_given = self.measure == Measure::Engineering && !matches!(self.data, Data::Law(..));
+        let as_given = self.is_engineering_table();
         let row = if as_given { self.row_of_knot(knot) } else { 0 };
         let message = format!(
-            "row {}: the slope up to strain {strain:e}, stress {stress:e} Pa is {slope:.6e} Pa, above the modulus \
-             {modulus:.6e} Pa",
-            if as_given { row + 1 } else { knot }
+            "row {}: the slope up to strain {strain:e}, stress {stress:e} Pa is {}",
+            if as_given { row + 1 } else { knot },
+            above_modulus(slope, modulus)
         );
         let help = "correct the row, or set `modulus` to the steepest slope (the default)";
         Err(self.at_row(row, message, keys).allowed(format!("slopes <= {modulus:e} Pa")).help(help).into())

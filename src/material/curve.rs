@@ -123,6 +123,24 @@ impl Curve {
         (self.strain[follows], self.stress[follows])
     }
 
+    /// With the first rows exactly on the line of `modulus` from the origin, as long as only the rounding of the written digits takes them off
+    /// it: the strains move, since stresses are round numbers more often.
+    #[must_use]
+    pub(super) fn on_elastic_line(mut self, modulus: f64) -> Self {
+        for k in 1..self.strain.len() {
+            let off = (self.stress[k] / (modulus * self.strain[k]) - 1.0).abs();
+            let strain = self.stress[k] / modulus;
+            let increases = strain > self.strain[k - 1] && self.strain.get(k + 1).is_none_or(|next| strain < *next);
+            if off > SECANT_ROUND_OFF || !increases {
+                break;
+            }
+            if off > EXACT {
+                self.strain[k] = strain;
+            }
+        }
+        self
+    }
+
     /// The first segment steeper than `modulus`: index of its upper knot and its slope, Pa.
     pub fn steeper_than(&self, modulus: f64) -> Option<(usize, f64)> {
         self.slopes().enumerate().find(|&(_, slope)| slope > modulus * (1.0 + SLOPE_ROUND_OFF)).map(|(k, s)| (k + 1, s))
@@ -214,6 +232,19 @@ impl Curve {
 /// Slopes that differ by less than this (relative) are the same line: strains written in decimals carry a
 /// relative error of 1e-16, which a segment 1e-6 of its strain long turns into 1e-10 of its slope.
 pub(crate) const SLOPE_ROUND_OFF: f64 = 1e-10;
+
+/// Secants from the origin that differ from the modulus by less than this (relative) are on the elastic line: half a unit of the last of six
+/// significant digits, to which strains are often written.
+pub(super) const SECANT_ROUND_OFF: f64 = 5e-6;
+
+/// The same of numbers that are not rounded in decimals: their rows stay as they are.
+const EXACT: f64 = 1e-15;
+
+/// A slope that is too steep, and the modulus, in as many digits as show the difference, at least seven.
+pub(super) fn above_modulus(slope: f64, modulus: f64) -> String {
+    let digits = (1.0 - (slope / modulus - 1.0).log10()).clamp(6.0, 15.0) as usize;
+    format!("{slope:.digits$e} Pa, above the modulus {modulus:.digits$e} Pa")
+}
 
 fn refuse(row: usize, message: impl Into<String>) -> CurveError {
     CurveError { row, message: message.into() }

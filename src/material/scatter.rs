@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::csv;
+use super::curve::above_modulus;
 use super::keys::Keys;
 use super::raw::{RawBand, RawTest};
 use super::row::TableRow;
@@ -88,13 +89,14 @@ fn test(raw: &RawTest, place: usize, beyond: Beyond, unit: f64, keys: Keys<'_>) 
     };
     let rows = table(raw.table.get_ref(), &format!("{key}.table"), unit, keys)?;
     let curve = Curve::new(&rows, raw.beyond.unwrap_or(beyond)).map_err(|e| wrong(e.to_string()))?;
-    let modulus = keys.si(&raw.modulus)?;
-    if let Some((knot, slope)) = modulus.and_then(|modulus| curve.steeper_than(modulus)) {
-        let message = format!("the slope up to strain {:e} is {slope:.6e} Pa, above the modulus", curve.strain()[knot]);
-        return Err(wrong(message).into());
+    let modulus = keys.si(&raw.modulus)?.unwrap_or_else(|| curve.steepest());
+    let curve = curve.on_elastic_line(modulus);
+    if let Some((knot, slope)) = curve.steeper_than(modulus) {
+        let of = above_modulus(slope, modulus);
+        return Err(wrong(format!("the slope up to strain {:e} is {of}", curve.strain()[knot])).into());
     }
     let record = raw.record.clone().unwrap_or_else(|| format!("test {}", place + 1));
-    Ok(TestCurve { record, modulus: modulus.unwrap_or_else(|| curve.steepest()), density: None, curve })
+    Ok(TestCurve { record, modulus, density: None, curve })
 }
 
 fn table(rows: &[TableRow], name: &str, unit: f64, keys: Keys<'_>) -> Result<Vec<(f64, f64)>> {

@@ -4,8 +4,9 @@
 //! compression, in magnitudes, e = 1 - exp(-eps), s = sigma/(1 - e). The elastic part is kept straight in the
 //! engineering measure, s = E e, so that elastic waves have one speed.
 
+use super::curve::SECANT_ROUND_OFF;
 use super::formula::ToTabulate;
-use super::{Law, Measure, SLOPE_ROUND_OFF, Sense};
+use super::{Law, Measure, Sense};
 use crate::error::InputError;
 use crate::input::{Allowed, Checked, finite, member, optional};
 use crate::root::bisect;
@@ -233,7 +234,7 @@ pub fn tabulate_true_rows(
     finite("rows.stress", rows.iter().map(|row| row.1))?;
     let Some(&(first_strain, first_stress)) = rows.first() else { return Ok(Tabulated::default()) };
     let modulus = modulus.unwrap_or(first_stress / first_strain);
-    let on_line = |&&(strain, stress): &&(f64, f64)| (stress / (modulus * strain) - 1.0).abs() <= SLOPE_ROUND_OFF;
+    let on_line = |&&(strain, stress): &&(f64, f64)| (stress / (modulus * strain) - 1.0).abs() <= SECANT_ROUND_OFF;
     let elastic = rows.iter().take_while(on_line).count();
     let mut table = Tabulated::default();
     for &(_, stress) in &rows[..elastic] {

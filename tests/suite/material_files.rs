@@ -47,6 +47,34 @@ fn a_table_with_units() {
     }
 }
 
+/// A first row whose strain was rounded in its eighth digit made the elastic limit 0, or was refused.
+#[test]
+fn rounded_digits_leave_the_elastic_line_where_it_is() {
+    let of =
+        |head: &str, rows: &str| right(&format!("density = 7850\n{head}[curve]\nunit = \"MPa\"\ntable = [{rows}]\n"));
+    for (head, rows, modulus, limit) in [
+        ("modulus = \"207 GPa\"\n", "[0.0012077295, 250], [0.1, 400]", 207e9, 250e6),
+        ("modulus = \"207 GPa\"\n", "[0.00120773, 250], [0.1, 400]", 207e9, 250e6),
+        ("modulus = \"115 GPa\"\n", "[0.0013043478, 150], [0.1, 400]", 115e9, 150e6),
+        ("modulus = \"207 GPa\"\n", "[0.000483092, 100], [0.0012077295, 250], [0.1, 400]", 207e9, 250e6),
+        ("", "[0.0005, 103.5], [0.0012077295, 250], [0.1, 400]", 207e9, 250e6),
+        ("measure = \"true\"\nmodulus = \"207 GPa\"\n", "[0.0012077295, 250], [0.1, 400]", 207e9, 250e6 / 1.0012),
+        ("modulus = \"207 GPa\"\n", "[0.00121, 250], [0.1, 400]", 207e9, 0.0),
+    ] {
+        let m = of(head, rows);
+        let found = m.tension.elastic_limit(m.modulus).1;
+        assert!(
+            (m.modulus / modulus - 1.0).abs() < 1e-7 && (found - limit).abs() <= 1e-5 * limit,
+            "{head}{rows}: {found}"
+        );
+        assert!(m.tension.steeper_than(m.modulus).is_none(), "{rows}");
+    }
+    // A row that is really too steep shows the difference.
+    let table = |rows: &str| format!("{TABLE}unit = \"MPa\"\ntable = [{rows}]\n");
+    refused(&table("[0.001, 200.002], [0.1, 400]"), &["2.000020e11 Pa, above the modulus 2.000000e11 Pa"]);
+    refused(&table("[0.001, 150], [0.002, 350.000004]"), &["2.00000004e11 Pa, above the modulus 2.00000000e11 Pa"]);
+}
+
 #[test]
 fn the_modulus_is_the_steepest_slope_where_none_is_given() {
     let m = right("density = 100\n[curve]\nbeyond = \"rupture\"\ntable = [[0.01, 1e6], [0.6, 2e6], [0.7, 5e7]]\n");

@@ -1,6 +1,10 @@
-//! Records of split-Hopkinson tests: unequal bars.
+//! Records of split-Hopkinson tests: unequal bars, gauges without a signal.
+
+use crate::common::binary;
+use crate::invert::{KOLSKY, Kolsky, MICRO, joined};
 
 use barwave::study::invert::hopkinson::{ElasticBar, Moment, Options, Records, Setup, reduce};
+use binary::refused;
 
 /// By one wave the strain rate between a steel bar and an aluminium bar was 1.6 times too large.
 #[test]
@@ -33,4 +37,22 @@ fn one_wave_and_three_waves_agree_in_equilibrium_between_unequal_bars() {
         assert!((moment.stress_one_wave / moment.stress - 1.0).abs() < 1e-9, "{moment:?}");
     }
     assert_eq!(reduced.warnings, [""; 0]);
+}
+
+/// A dead gauge on the transmission bar gave stresses of half of what the other gauge said.
+#[test]
+fn a_gauge_on_the_transmission_bar_without_a_pulse_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let refusal = |name: &str| refused(path, &joined(&["invert", "hopkinson", name], &KOLSKY));
+    let mut test = Kolsky::of(200e-6);
+    test.transmitted.fill(0.0);
+    test.write(&path.join("noise.csv"), MICRO, [0.0, 20e-6]);
+    let message = refusal("noise.csv");
+    assert!(message.contains("noise.csv") && message.contains("records no pulse beyond its noise"), "{message}");
+    let row = |(t, i): (&f64, &f64)| format!("{},{},0", 1e6 * t, 1e6 * i);
+    let rows: Vec<String> = test.time.iter().zip(&test.incident).map(row).collect();
+    std::fs::write(path.join("dead.csv"), format!("{MICRO}\n{}\n", rows.join("\n"))).expect("a file");
+    let message = refusal("dead.csv");
+    assert!(message.contains("transmission bar records no pulse") && !message.contains("noise"), "{message}");
 }

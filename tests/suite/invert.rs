@@ -182,7 +182,7 @@ fn a_rate_dependent_bar_is_reported() {
     assert!(deviation > 0.5, "{deviation}");
 }
 
-fn joined<'a>(one: &[&'a str], two: &[&'a str]) -> Vec<&'a str> {
+pub fn joined<'a>(one: &[&'a str], two: &[&'a str]) -> Vec<&'a str> {
     [one, two].concat()
 }
 
@@ -481,13 +481,13 @@ fn noise_does_not_lower_the_stresses_of_arrivals() {
 
 /// A split-Hopkinson test: gauges 1 m from a specimen of 5 mm length and 10 mm diameter, bars of 16 mm, records from 100 us before the
 /// pulse on. The specimen is elastic (70 GPa) up to 300 MPa + 400 MPa `e_p^0.4` and always in equilibrium.
-struct Kolsky {
-    time: Vec<f64>,
-    incident: Vec<f64>,
-    transmitted: Vec<f64>,
+pub struct Kolsky {
+    pub time: Vec<f64>,
+    pub incident: Vec<f64>,
+    pub transmitted: Vec<f64>,
 }
 
-const KOLSKY: [&str; 12] = [
+pub const KOLSKY: [&str; 12] = [
     "--bar-modulus",
     "200 GPa",
     "--bar-density",
@@ -504,7 +504,7 @@ const KOLSKY: [&str; 12] = [
 
 impl Kolsky {
     /// A pulse of 12 m/s of a length (s), with edges of 15 us.
-    fn of(length: f64) -> Self {
+    pub fn of(length: f64) -> Self {
         Self::yielding_at(300e6, length)
     }
 
@@ -535,7 +535,7 @@ impl Kolsky {
     }
 
     /// As microstrain, with zero offsets and uniform noise of 2 microstrain.
-    fn write(&self, path: &Path, header: &str, offsets: [f64; 2]) {
+    pub fn write(&self, path: &Path, header: &str, offsets: [f64; 2]) {
         let mut rng = XorShiftRng::seed_from_u64(3);
         let mut text = format!("{header}\n");
         for ((t, i), d) in self.time.iter().zip(&self.incident).zip(&self.transmitted) {
@@ -547,7 +547,7 @@ impl Kolsky {
     }
 }
 
-const MICRO: &str = "time_us,incident (ue),transmitted (ue)";
+pub const MICRO: &str = "time_us,incident (ue),transmitted (ue)";
 
 #[test]
 fn a_record_that_resolves_the_elastic_limit_gives_it() {

@@ -136,7 +136,7 @@ const KNOTS: usize = 40;
 const FINE: f64 = 1e-3;
 const FEWEST_ROWS: usize = 2;
 
-/// A bend counts if it exceeds the standard error of the noise by this factor.
+/// A bend, and a transmitted pulse, count if they exceed the standard error of the noise by this factor.
 const BEYOND_NOISE: f64 = 3.0;
 
 /// Distance of the mean of a parabola from it at the middle, over that of its middle third from the line through the others.
@@ -167,6 +167,7 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
     let mut warnings = wide(setup);
     let window = window(setup, records, options, &pulse, &mut warnings)?;
     let moments = moments(setup, &zeroed, &pulse, window);
+    transmits(&zeroed[1], &moments, pulse.arrival + setup.incident.delay() + setup.transmitted.delay())?;
     senses(&moments)?;
     let half = (0.5 * SMOOTHED * moments.len() as f64) as usize;
     let loading = loading(&moments, half);
@@ -206,6 +207,21 @@ fn wide(setup: &Setup) -> Vec<String> {
     };
     // Equal diameters may differ by rounding.
     (setup.area > bar * (1.0 + 1e-6)).then(message).into_iter().collect()
+}
+
+/// Refuses a gauge of the transmission bar whose mean strain while the pulse passes, from `start` on, is not beyond its noise.
+fn transmits(gauge: &Zeroed, moments: &[Moment], start: f64) -> Result<()> {
+    let mean = moments.iter().map(|m| m.transmitted).sum::<f64>() / moments.len() as f64;
+    let lasts = moments.last().map_or(0.0, |m| m.time_s);
+    let within = |t: &&f64| (start..=start + lasts).contains(*t);
+    let passing = gauge.record.0.iter().filter(within).count().max(1);
+    let error = gauge.offset_error.hypot(gauge.offset_error * (gauge.samples as f64 / passing as f64).sqrt());
+    if mean.abs() > BEYOND_NOISE * error {
+        return Ok(());
+    }
+    let part = if error > 0.0 { " beyond its noise" } else { "" };
+    let message = format!("the gauge of the transmission bar records no pulse{part}");
+    Err(InputError::new(message).help("check the gauge, and the order and the units of the columns").into())
 }
 
 /// Refuses pulses of a sense that no specimen between the bars gives: what passes it has the sense of the incident pulse, what it

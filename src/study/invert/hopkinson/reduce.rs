@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::pulse::{Pulse, separate};
+use super::pulse::{Pulse, misplaced, separate};
 use super::test_set::{ElasticBar, Records, Setup};
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Checked, member, optional, positive};
@@ -169,6 +169,7 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
     let moments = moments(setup, &zeroed, &pulse, window);
     transmits(&zeroed[1], &moments, pulse.arrival + setup.incident.delay() + setup.transmitted.delay())?;
     senses(&moments)?;
+    warnings.extend(misplaced(setup, &zeroed, &pulse, window));
     let half = (0.5 * SMOOTHED * moments.len() as f64) as usize;
     let loading = loading(&moments, half);
     let mut reduced = Reduced {

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use crate::error::{InputError, Result};
 use crate::input::{Document, nearest};
-use crate::units::{Dimension, is_like_unit, one};
+use crate::units::{Dimension, in_heading, is_like_unit, one};
 
 /// A cell with its bytes in the text. In cells of numbers the decimal mark is a point.
 #[derive(Debug, Clone, PartialEq)]
@@ -208,7 +208,7 @@ fn is_number(cell: &Cell) -> bool {
 
 /// `(mm)`, `[kN]`, `MPa` or nothing, as in a line of units.
 fn is_unit(text: &str) -> bool {
-    let known = |dimension| one(text, dimension).is_ok();
+    let known = |dimension| in_heading(text, dimension).is_ok();
     text.is_empty()
         || (text.starts_with(['(', '[']) && text.ends_with([')', ']']))
         || [Dimension::None, Dimension::Length, Dimension::Force, Dimension::Stress, Dimension::Time]

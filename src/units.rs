@@ -5,6 +5,7 @@
 
 mod dimension;
 mod format;
+mod heading;
 mod magnitude;
 mod parse;
 mod scale;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 pub use dimension::{Dimension, Measure, measures};
 pub use format::{format, scale_for};
+pub(crate) use heading::in_heading;
 pub use magnitude::Magnitudes;
 pub(crate) use parse::is_like_unit;
 pub use scale::Scale;

@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::columns::{self, Cell, Row};
 use crate::error::{InputError, Result};
 use crate::input::Document;
-use crate::units::{self, Dimension};
+use crate::units::{Dimension, in_heading};
 
 /// The rows of a CSV file, each with its bytes in the file.
 #[derive(Debug, Clone)]
@@ -93,9 +93,8 @@ fn header(document: &Document, row: &Row, unit: Option<f64>) -> Result<Factors> 
 }
 
 /// SI value of one unit.
-pub(crate) fn factor(unit: &str, dimension: Dimension) -> std::result::Result<f64, InputError> {
-    let unit = if unit == "percent" { "%" } else { unit };
-    units::one(unit, dimension)
+pub(super) fn factor(unit: &str, dimension: Dimension) -> std::result::Result<f64, InputError> {
+    in_heading(unit, dimension)
         .map_err(|reason| InputError::new(reason).help("write a unit such as MPa, ksi or psi for stress, % for strain"))
 }
 

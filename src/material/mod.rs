@@ -24,7 +24,6 @@ mod torsion;
 use serde::{Deserialize, Serialize};
 
 pub use constants::Constants;
-pub(crate) use csv::factor as unit_size;
 pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
 pub use file::{read, resolve};

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::columns::{self, Cell};
 use crate::error::{InputError, Result};
 use crate::input::Document;
-use crate::units::{Dimension, one};
+use crate::units::{Dimension, in_heading, one};
 
 /// Named columns of numbers in SI.
 pub(super) struct Table {
@@ -138,9 +138,8 @@ fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(
     };
     if !unit.is_empty() {
         let name = name.to_lowercase();
-        let micro = ["ue", "microstrain", "um/m"].contains(&unit);
-        let factor = if micro { Ok(1e-6) } else { one(unit, dimension(&name)) };
-        let factor = factor.map_err(|reason| document.error(cell.span.clone(), "", reason).help(HEADER))?;
+        let factor = in_heading(unit, dimension(&name))
+            .map_err(|reason| document.error(cell.span.clone(), "", reason).help(HEADER))?;
         return Ok(with_unit(name, factor));
     }
     // `time_us`: what stands after the underscore of a strain may as well be part of the name.
@@ -152,12 +151,10 @@ fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(
             return Ok(with_unit(columns::name(title, of).to_lowercase(), factor));
         }
     } else if let Some((name, unit)) = title.rsplit_once('_') {
-        let name = name.to_lowercase();
-        if unit == "ue" || unit == "microstrain" {
-            return Ok(with_unit(name, 1e-6));
-        }
-        if let Ok(factor) = one(unit, Dimension::None) {
-            return Ok(with_unit(name, factor));
+        // `strain_1` is the name of a gauge.
+        let factor = in_heading(unit, Dimension::None).ok().filter(|_| unit.parse::<f64>().is_err() && unit != "-");
+        if let Some(factor) = factor {
+            return Ok(with_unit(name.to_lowercase(), factor));
         }
     }
     Ok(Named { name: title.to_lowercase(), factor: 1.0, unit: false })
@@ -187,6 +184,12 @@ mod tests {
         let row: Vec<f64> = read.columns.iter().map(|column| column[0]).collect();
         for (value, expected) in row.iter().zip([2e-6, 0.5, 0.1, 1e-3]) {
             assert!((value / expected - 1.0_f64).abs() < 1e-14, "{row:?}");
+        }
+        let strains =
+            table("time_us;a (\u{2030});b [mstrain];c_\u{b5}\u{3b5};d_1\n1;2;2;2000;0,002\n").expect("it is right");
+        assert_eq!(strains.names, ["time", "a", "b", "c", "d_1"]);
+        for column in &strains.columns[1..] {
+            assert!((column[0] / 2e-3 - 1.0).abs() < 1e-14, "{:?}", strains.columns);
         }
         let below = table("exported;2026\nTime;strain\ns;%\n2;10\n4;20\n").expect("it is right");
         assert_eq!(

@@ -8,6 +8,7 @@ use super::formula::{self, RawCurve, RawTabulate};
 use super::keys::Keys;
 use super::raw::RawMaterial;
 use super::row::TableRow;
+use super::tabulate::elastic_error;
 use super::{Beyond, Curve, CurveError, Law, Measure, Sense, Tabulate, Tabulated, tabulate_law, tabulate_true_rows};
 use crate::error::{Error, InputError, Result};
 use crate::input::Allowed;
@@ -114,9 +115,11 @@ impl<'a> Given<'a> {
             let error = keys.error(span.clone(), "modulus", "a formula needs the elastic modulus");
             return Err(error.help("add e.g. modulus = \"200 GPa\"").into());
         };
-        tabulate_law(law, modulus, self.measure, sense, self.how)
+        let mut table = tabulate_law(law, modulus, self.measure, sense, self.how)
             .map_err(|error| keys.error(span.clone(), &format!("{}.formula", self.name), error.message))
-            .map_err(|e| e.help("increase `tabulate.to-strain`, or check the constants").into())
+            .map_err(|e| e.help("increase `tabulate.to-strain`, or check the constants"))?;
+        table.error += elastic_error(law, modulus, self.measure, sense, &table.rows);
+        Ok(table)
     }
 
     fn of_rows(&self, rows: &[(f64, f64)], sense: Sense, modulus: Option<f64>, keys: Keys<'_>) -> Result<Tabulated> {

@@ -218,6 +218,25 @@ pub fn tabulate_law(
     Ok(table)
 }
 
+/// By how much at most the table of a true law of Ramberg and Osgood is off the law, Pa, since its elastic part is straight in the engineering
+/// measure: the elastic strain of that law is sigma/E in its own measure. The other laws have no elastic strain of their own.
+pub(super) fn elastic_error(law: &Law, modulus: f64, measure: Measure, sense: Sense, rows: &[(f64, f64)]) -> f64 {
+    if measure == Measure::Engineering || !matches!(law, Law::RambergOsgood { .. }) {
+        return 0.0;
+    }
+    let branch = Branch { law, modulus, measure, sense };
+    let mut before = (0.0, 0.0);
+    let off = |&(strain, stress): &(f64, f64)| {
+        let slope = (stress - before.1) / (strain - before.0);
+        before = (strain, stress);
+        let stretch = 1.0 + sense.sign() * strain;
+        let elastic = stress * stretch / modulus - branch.elastic_strain(stress * stretch);
+        // At one true stress, a true strain moves the engineering strain and the engineering stress.
+        (elastic * (slope * stretch + sense.sign() * stress)).abs()
+    };
+    rows.iter().map(off).fold(0.0, f64::max)
+}
+
 /// Engineering table from rows of true strain (> 0) and stress, with knots added where straight true segments
 /// bend. Rows on the elastic line (slope `modulus`, or the first row's where none is known) stay on it. For `tolerance`, see [`Tabulate`].
 ///

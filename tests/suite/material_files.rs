@@ -75,6 +75,26 @@ fn rounded_digits_leave_the_elastic_line_where_it_is() {
     refused(&table("[0.001, 150], [0.002, 350.000004]"), &["2.00000004e11 Pa, above the modulus 2.00000000e11 Pa"]);
 }
 
+/// The elastic strain of the law is sigma/E in true measure and straight in engineering measure in the table: 1.12 MPa, where 0.33 MPa was stated.
+#[test]
+fn the_error_of_a_ramberg_osgood_table_includes_its_elastic_line() {
+    for (sense, sign) in [("tension", 1.0_f64), ("compression", -1.0)] {
+        for (n, yields) in [(20.0, 300e6), (10.0, 150e6), (3.0, 100e6)] {
+            let m = right(&format!(
+                "density = 2700\nmodulus = \"70 GPa\"\nmeasure = \"true\"\nsense = \"{sense}\"\n[curve]\nformula = \
+                 \"ramberg-osgood\"\nyield = {yields}\nn = {n}\n"
+            ));
+            let law = |stress: f64| sign * (stress / 70e9 + 0.002 * (stress / yields).powf(n));
+            let engineering = |stress: f64| (sign * law(stress).exp_m1(), stress * (-law(stress)).exp());
+            let points = (1..40_000).map(|k| engineering(yields * 1e-4 * f64::from(k)));
+            let inside = points.take_while(|point| point.0 < m.tension.last_strain());
+            let off = inside.map(|(e, s)| (m.tension.stress_at(e) - s).abs()).fold(0.0, f64::max);
+            // Each of the two parts, elastic and plastic, has its bound.
+            assert!(off <= m.table_error && m.table_error < 2.5 * off, "{sense} {n}: {off:e} {:e}", m.table_error);
+        }
+    }
+}
+
 #[test]
 fn the_modulus_is_the_steepest_slope_where_none_is_given() {
     let m = right("density = 100\n[curve]\nbeyond = \"rupture\"\ntable = [[0.01, 1e6], [0.6, 2e6], [0.7, 5e7]]\n");

@@ -61,7 +61,7 @@ pub(crate) struct Args {
     /// Seed of these specimens.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write the table to a .csv file; `-` is standard output.
+    /// Write the table to a .csv file, with the velocities of --repeats, --simulate, --rate and --heat; `-` is standard output.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print a JSON list and nothing else.

@@ -90,10 +90,17 @@ fn a_fast_rate_law_gives_the_static_value_and_a_slow_one_more() {
     let folder = tempfile::tempdir().expect("a folder");
     let velocity = |k: &str, length: &str| {
         std::fs::write(folder.path().join("m.toml"), RATE.replace("K 1/s", &format!("{k} 1/s"))).expect("a file");
-        let row = json(folder.path(), &["critical", "m.toml", "--rate", "--length", length]).remove(0);
+        let arguments = ["critical", "m.toml", "--rate", "--length", length, "-o", "v.csv"];
+        let row = json(folder.path(), &arguments).remove(0);
         let (fixed, grid) = (number(&row["critical_velocity_m_s"]), &row["apparent"]["grid"]);
         assert!(row["apparent"]["definition"].as_str().is_some_and(|text| text.contains("2 L/c0")));
-        0.5 * (number(&grid["holds_m_s"]) + number(&grid["breaks_m_s"])) / fixed
+        let apparent = 0.5 * (number(&grid["holds_m_s"]) + number(&grid["breaks_m_s"]));
+        let table = std::fs::read_to_string(folder.path().join("v.csv")).expect("a table");
+        let [names, cells] = [0, 1].map(|line| table.lines().nth(line).expect("a line").split(',').collect::<Vec<_>>());
+        let column = |name: &str| cells[names.iter().position(|own| *own == name).expect("a column")];
+        let written: f64 = column("apparent_velocity_m_s").parse().expect("a number");
+        assert!((written / apparent - 1.0).abs() < 1e-12 && column("adiabatic_velocity_m_s").is_empty(), "{table}");
+        apparent / fixed
     };
     let (fast, slow) = (velocity("1e7", "1 m"), velocity("1e4", "1 m"));
     assert!((fast - 1.0).abs() < 0.02, "{fast}");

@@ -169,7 +169,8 @@ fn sensitivity(name: &str, intervals: &[Interval]) -> String {
 pub(super) fn csv(studied: &[Studied]) -> String {
     let mut text = String::from(
         "material,density_kg_m3,sense,critical_velocity_m_s,yield_velocity_m_s,strain_at_max,stress_at_max_Pa,reason,\
-         mean_m_s,standard_deviation_m_s,interval_95_low_m_s,interval_95_high_m_s,fronts_hold_m_s,fronts_break_m_s\n",
+         mean_m_s,standard_deviation_m_s,interval_95_low_m_s,interval_95_high_m_s,fronts_hold_m_s,fronts_break_m_s,\
+         apparent_velocity_m_s,adiabatic_velocity_m_s\n",
     );
     let cell = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
     let quoted = |text: &str| {
@@ -179,6 +180,7 @@ pub(super) fn csv(studied: &[Studied]) -> String {
         let (r, u) = (&s.row, s.scatter.as_ref());
         let interval = u.and_then(|u| u.interval_95_m_s);
         let fronts = s.simulated.flatten().map(|simulated| simulated.fronts);
+        let apparent = s.apparent.iter().flatten().next();
         let cells = [
             quoted(&r.material),
             r.density_kg_m3.to_string(),
@@ -194,6 +196,8 @@ pub(super) fn csv(studied: &[Studied]) -> String {
             cell(interval.map(|i| i[1])),
             cell(fronts.map(|f| f.holds_m_s)),
             cell(fronts.map(|f| f.breaks_m_s)),
+            cell(apparent.map(|a| a.grid.bracket.middle())),
+            cell(apparent.and_then(|a| a.adiabatic_m_s)),
         ];
         text += &(cells.join(",") + "\n");
     }

@@ -230,6 +230,16 @@ fn a_table_of_arrivals_is_inverted() {
             .collect::<String>(),
     );
     assert!(refused(path, &arguments).contains("scatter of the arrivals is unknown"));
+    // One gauge, whose lines start at the loaded end.
+    write(
+        &table(&[0.0; 3])
+            .lines()
+            .filter(|line| !line.starts_with("100,") && !line.starts_with("200,"))
+            .map(|l| l.to_owned() + "\n")
+            .collect::<String>(),
+    );
+    let message = refused(path, &joined(&arguments, &["--centred"]));
+    assert!(message.contains("one arrival at each gauge"), "{message}");
     write(&table(&[0.0; 3]).replace("50,", "500,"));
     assert!(refused(path, &arguments).contains("arrive at the farther gauges first"));
     write("x_mm,strain,time\n50,abc,1\n");

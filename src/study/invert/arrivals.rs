@@ -168,7 +168,7 @@ pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
     let error = match options.time_error {
         Some(error) => error,
         None => pooled_scatter(&lines(&arrivals, &weights, options)).ok_or_else(|| {
-            InputError::new("the scatter of the arrivals is unknown: each level has one arrival at each of two gauges")
+            InputError::new("the scatter of the arrivals is unknown: each level has one arrival at each gauge")
                 .key("time_error")
                 .help("give the standard error of an arrival time, or repeats")
         })?,

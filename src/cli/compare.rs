@@ -73,7 +73,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.json {
         return output::json_list(&compared);
     }
-    let written = args.output.as_ref().map_or_else(String::new, |path| format!("\nwrote {}\n", path.display()));
+    let written = args.output.as_deref().and_then(output::wrote).map_or_else(String::new, |line| format!("\n{line}\n"));
     output::text_beside([args.output.as_deref()], &format!("{}{written}", table(&compared)))
 }
 
@@ -86,7 +86,10 @@ fn results(names: &[String]) -> Result<Option<Vec<PathBuf>>> {
     if count < names.len() || count < 2 {
         let message = match names.len() {
             1 => "a comparison of results needs at least 2 result files".to_owned(),
-            all => format!("{count} of {all} names are result files"),
+            all => {
+                let are = if count == 1 { "is a result file" } else { "are result files" };
+                format!("only {count} of {all} names {are}")
+            }
         };
         let help = "give result files only, the reference first: barwave compare a.h5 b.h5";
         return Err(InputError::new(message).allowed("materials only, or at least 2 result files").help(help).into());

@@ -64,11 +64,13 @@ impl FrontTracker {
         for initial_fan in initial_fans {
             let window = window(bar, initial_fan, initial_fans, ends);
             for edge in &initial_fan.fan.edges {
+                // Nothing that leaves its origin later overtakes an elastic front.
+                let near = if edge.is_elastic(window.c0) { f64::INFINITY } else { window.near };
                 let level = 0.5 * (edge.strain_ahead + edge.strain_behind);
                 fronts.push(Front {
                     initial_fan: initial_fan.clone(),
                     edge: *edge,
-                    window,
+                    window: Window { near, ..window },
                     width: FRONT_WIDTH * grid.segments[initial_fan.segment].spacing,
                     level,
                     passed: 0,
@@ -210,11 +212,13 @@ fn window(bar: &Bar, initial_fan: &InitialFan, initial_fans: &[InitialFan], ends
     let far_end = ends[usize::from(initial_fan.direction > 0.0)];
     let reflects = !(at_bar_end && matches!(far_end, EndCondition::Absorbing));
     let reflection = if reflects { transit(bar, initial_fan.x, far_x) } else { f64::INFINITY };
+    // A heavy striker counts as steady for some time.
+    let loads_until = initial_fan.loads_until.max(initial_fan.holds_until);
     let near = match initial_fan.origin {
-        Origin::Left | Origin::Right => initial_fan.loads_until,
+        Origin::Left | Origin::Right => loads_until,
         Origin::Joint(k) => {
             let neighbour = &bar.segments[if initial_fan.direction > 0.0 { k } else { k + 1 }];
-            initial_fan.loads_until.min(2.0 * neighbour.length / neighbour.material.c0()).min(others(initial_fan.x))
+            loads_until.min(2.0 * neighbour.length / neighbour.material.c0()).min(others(initial_fan.x))
         }
     };
     Window { length: segment.length, c0: segment.material.c0(), far: reflection.min(others(far_x)), near }

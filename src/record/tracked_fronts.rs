@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{FrontRow, PathRow};
-use crate::bar::InitialFan;
+use crate::bar::{Driver, InitialFan};
 use crate::solver::moc::{FrontSegment, FrontTracking};
 use crate::wave::similarity::Edge;
 
@@ -15,26 +15,53 @@ pub const INTERIOR: &str = "interior";
 /// computed in two ways from one table.
 const SAME_LEVEL: f64 = 1e-9;
 
+/// The same of the fan of a body, which the bar slows down in the first step.
+const SLOWED_LEVEL: f64 = 1e-4;
+
 /// Most rows of `/paths`: about 100 MB.
 const MOST_PATHS: usize = 2_000_000;
 
 /// Keeps what the front table needs of the front segments.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct TrackedFronts {
-    /// Front segments that began at t = 0 and have ended.
+    /// Front segments that began at t = 0 and have ended, with those that continue them.
     first: Vec<FrontSegment>,
+}
+
+/// A segment begins where another one ends, and no other front has changed it: a wave of a striker only has come near.
+fn continues(piece: &FrontSegment, before: &FrontSegment) -> bool {
+    let same = |a: f64, b: f64| (a - b).abs() <= SAME_LEVEL * (a.abs() + b.abs());
+    piece.t[0] == before.t[1]
+        && piece.x[0] == before.x[1]
+        && same(speed(piece), speed(before))
+        && same(piece.ahead.stress, before.ahead.stress)
+        && same(piece.behind.stress, before.behind.stress)
 }
 
 impl TrackedFronts {
     /// Takes in front segments that ended.
     pub fn collect(&mut self, ended: &[FrontSegment]) {
-        self.first.extend(ended.iter().filter(|t| t.t[0] == 0.0));
+        for piece in ended {
+            if piece.t[0] == 0.0 {
+                self.first.push(*piece);
+            } else {
+                self.lengthen(piece);
+            }
+        }
+    }
+
+    /// Takes in a segment that continues one of these; false where none.
+    fn lengthen(&mut self, piece: &FrontSegment) -> bool {
+        let before = self.first.iter_mut().find(|before| continues(piece, before));
+        let found = before.map(|before| (before.t[1], before.x[1]) = (piece.t[1], piece.x[1]));
+        found.is_some()
     }
 
     /// The table, with arrival times at gauges (name, place in m) of each front's straight life.
     pub fn rows(&self, bar: &FrontTracking, initial_fans: &[InitialFan], gauges: &[(String, f64)]) -> Vec<FrontRow> {
-        let living: Vec<FrontSegment> = bar.living_front_segments().collect();
-        let all: Vec<FrontSegment> = self.first.iter().chain(&living).copied().collect();
+        let mut ended = Self { first: self.first.clone() };
+        let living: Vec<FrontSegment> = bar.living_front_segments().filter(|piece| !ended.lengthen(piece)).collect();
+        let all: Vec<FrontSegment> = ended.first.iter().chain(&living).copied().collect();
         let mut taken = vec![false; all.len()];
         let mut rows = Vec::new();
         for initial_fan in initial_fans {
@@ -55,7 +82,8 @@ impl TrackedFronts {
 /// Whether a piece is this edge of this fan.
 fn is_edge(bar: &FrontTracking, initial_fan: &InitialFan, edge: &Edge, piece: &FrontSegment) -> bool {
     let sign = initial_fan.sense.sign();
-    let same = |found: f64, theory: f64| (found - sign * theory).abs() <= SAME_LEVEL * bar.stress_scale();
+    let level = if initial_fan.driver == Driver::Body { SLOWED_LEVEL } else { SAME_LEVEL };
+    let same = |found: f64, theory: f64| (found - sign * theory).abs() <= level * bar.stress_scale();
     piece.t[0] == 0.0
         && piece.segment == initial_fan.segment
         && (piece.x[1] - piece.x[0]) * initial_fan.direction > 0.0

@@ -25,15 +25,15 @@ const STRIPE: f64 = 8.0;
 
 pub(super) fn heading(view: &View) -> String {
     let (field, frames) = (view.field_name(), view.time.len());
-    if is_sparse(view) {
-        format!("{field} over the bar at {frames} times")
-    } else {
-        format!("{field} over the bar and time")
+    match frames {
+        1 => format!("{field} over the bar at one time"),
+        _ if is_sparse(view) => format!("{field} over the bar at {frames} times"),
+        _ => format!("{field} over the bar and time"),
     }
 }
 
 fn is_sparse(view: &View) -> bool {
-    (2..FEW_FRAMES).contains(&view.time.len())
+    view.time.len() < FEW_FRAMES
 }
 
 /// Draws the diagram: x to the right, time upwards.

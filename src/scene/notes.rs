@@ -14,6 +14,8 @@ const SMALL_STEP: f64 = 0.5;
 const STEPS_OF_CONTACT: f64 = 25.0;
 /// An end time is noted that comes after fewer time steps.
 const FEW_STEPS: f64 = 10.0;
+/// An end time is noted after which elastic waves have crossed the bar more often.
+const MANY_TRANSITS: f64 = 1000.0;
 /// A history is noted whose first change comes later than this many times the end of the run.
 const LATE: f64 = 10.0;
 
@@ -42,7 +44,8 @@ impl Scene {
         let bar = bar.chain(self.hardening_that_gives_back()).chain(self.critical_velocity_of_another_state());
         let deprecated = super::deprecated::notes(&self.text, &self.overrides);
         let bar = bar.chain(self.sharp_waves_that_disperse());
-        let bar = bar.chain(self.short_contacts()).chain(self.few_steps()).chain(self.jumps_against_dampers());
+        let bar = bar.chain(self.short_contacts()).chain(self.few_steps()).chain(self.many_transits());
+        let bar = bar.chain(self.jumps_against_dampers());
         bar.chain(self.misses()).chain(self.late_histories()).chain(materials).chain(deprecated).collect()
     }
 
@@ -188,6 +191,19 @@ impl Scene {
         })
     }
 
+    /// Long runs, mostly end times without their unit.
+    fn many_transits(&self) -> Option<String> {
+        let transits = self.solve.until / self.bar.transit_time();
+        (transits > MANY_TRANSITS).then(|| {
+            let [until, transits] = [(self.solve.until, Dimension::Time), (transits, Dimension::None)]
+                .map(|(value, dimension)| units::format(value, dimension, System::Si));
+            format!(
+                "the end time is {until}, in which elastic waves cross the bar {transits} times: the histories of such a run make a large file; \
+                 a number without a unit is in seconds"
+            )
+        })
+    }
+
     /// A velocity that jumps strains the bar beside it at once, which dampers resist without bound.
     fn jumps_against_dampers(&self) -> Option<String> {
         self.effects.damping.filter(|damping| damping.internal > 0.0)?;
@@ -202,10 +218,14 @@ impl Scene {
                 _ => false,
             }
         };
-        let (side, ..) = self.ends_and_segments().into_iter().find(jumps)?;
+        let (side, end, ..) = self.ends_and_segments().into_iter().find(jumps)?;
+        let remedy = match end {
+            EndCondition::Velocity { .. } => "give the velocity as a `history` that rises over some time steps",
+            _ => "disregard the peak force of that end",
+        };
         Some(format!(
             "the velocity of the {side} end jumps, and with internal damping the force has no finite peak there: it grows with the number of \
-             cells; give the velocity as a `history` that rises over some time steps"
+             cells; {remedy}"
         ))
     }
 

@@ -190,8 +190,10 @@ fn notes(first: &ResultFile, other: &ResultFile, [a, b]: [&Grid; 2]) -> Vec<Stri
         notes.push(format!("the bars end at {p} m and {q} m: only the common part is compared"));
     }
     if differ(a.span(), b.span()) {
-        let [p, q] = [a.span()[1], b.span()[1]];
-        notes.push(format!("the results end at {p:e} s and {q:e} s: only the common time is compared"));
+        let [[a0, a1], [b0, b1]] = [a.span(), b.span()];
+        notes.push(format!(
+            "the frames are from {a0:e} to {a1:e} s and from {b0:e} to {b1:e} s: only the common time is compared, also of gauges and ends"
+        ));
     }
     let common = common(a.span(), b.span());
     let between = |time: &f64| (common[0]..common[1]).contains(time) && apart(*time, &b.time) > 1e-9 * common[1].abs();

@@ -104,6 +104,14 @@ fn frames_at_other_times_are_noted() {
     assert!(!notes("same.h5").contains("times"), "{}", notes("same.h5"));
 }
 
+/// The note gave the end times alone, which were equal, and did not say that nothing else is compared.
+#[test]
+fn a_single_frame_is_compared_at_its_time() {
+    let folder = results(&[("b.h5", &["record.frames=1"])]);
+    let text = done(folder.path(), &["compare", "a.h5", "b.h5"]);
+    assert!(text.contains("only the common time is compared, also of gauges and ends"), "{text}");
+}
+
 #[test]
 fn wrong_comparisons_are_refused() {
     let folder = results(&[]);

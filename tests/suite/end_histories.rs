@@ -45,6 +45,7 @@ fn runs_of_a_few_steps_say_that_they_end_with_a_whole_one() {
     };
     assert!(notes(1e-12, "cells = 1000").contains("time steps after the start"));
     assert_eq!([notes(1e-5, "cells = 1000"), notes(1e-12, "method = \"moc\"")], ["", ""]);
+    assert!(notes(300.0, "").contains("a number without a unit is in seconds"));
     // Steps are those of the Courant number: 1000 of them to a cell.
     let few = |text: String| text.contains("after the start");
     assert!(few(notes(1e-4, "cells = 10")) && !few(notes(1e-4, "cells = 10\ncfl = 1e-3\nscheme = \"muscl\"")));

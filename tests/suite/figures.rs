@@ -229,6 +229,22 @@ fn a_striker_does_not_rebound_from_a_bar_without_end() {
     }
 }
 
+/// Its load lessens from the first moment on, but nothing overtakes the elastic front: it was last seen after a few cells on grids, without a
+/// measured speed or arrivals.
+#[test]
+fn the_elastic_front_of_a_striker_is_followed_through_the_bar() {
+    for velocity in [2.0, 15.0] {
+        let striker = format!("kind = \"striker\"\nmass = 0.2\nvelocity = {velocity}");
+        for method in METHODS {
+            let text = scene(method, &uniform(0.0), [&striker, "kind = \"absorbing\""], 0.95 * transit());
+            let front = whole_summary(method.0, &text, &[])["fronts"][0].clone();
+            println!("{} {velocity}: {front}", method.0);
+            assert_near(method.0, &front["speed_measured_m_s"], LENGTH / transit(), 0.01 * LENGTH / transit());
+            assert!(front["position_m"].as_f64().is_some_and(|x| x > 0.9 * LENGTH), "{}: {front}", method.0);
+        }
+    }
+}
+
 /// It loses its velocity to the bar and rides along under a force below a ten-thousandth of the largest one; by the Godunov scheme it then touches in
 /// some steps and not in others. It was in contact for 0.285 ms by front tracking, and for a third of that by the Godunov scheme.
 #[test]

@@ -188,6 +188,19 @@ fn one_frame_of_zeros_and_not_a_number_can_be_drawn() {
     }
 }
 
+/// It was painted over all times of the run.
+#[test]
+fn a_single_frame_is_a_stripe() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "[bar]\nlength = 1\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = 30\n[right]\nkind = \"free\"\n\
+                 [solve]\nuntil = 1e-4\ncells = 50\n[record]\nframes = 1\n";
+    std::fs::write(folder.path().join("bar.toml"), scene).expect("a folder to write to");
+    binary::done(folder.path(), &["run", "bar.toml", "-o", "out.h5"]);
+    binary::done(folder.path(), &["report", "out.h5", "-o", "out.svg"]);
+    let svg = std::fs::read_to_string(folder.path().join("out.svg")).expect("a figure");
+    assert!(svg.contains("stress over the bar at one time"), "{svg}");
+}
+
 #[test]
 fn wrong_requests_say_what_there_is() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,7 +3,6 @@
 
 use super::Instants;
 use super::measure::{self, Pass, Wanted, Watch};
-use super::reference::ROUNDING;
 use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
 use crate::error::Result;
@@ -24,6 +23,8 @@ const FIRST_CELLS: usize = 400;
 const GRID_GROWTH: f64 = 4.3;
 const FRONT_GROWTH: f64 = 4.0;
 const MOST_GROWTH: f64 = 15.0;
+/// Rounding of an exact solution: sums over some thousand steps of double precision.
+pub(super) const ROUNDING: f64 = 1e-12;
 /// Orders that are believed of a reference: where waves are elastic or smooth they are higher, and it is surer than it says.
 const ORDERS: [f64; 2] = [0.5, 1.0];
 /// A difference that fell faster than by this order did so by chance: two grids can be off by the same.

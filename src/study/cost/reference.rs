@@ -1,7 +1,7 @@
 //! The reference solution of errors and its uncertainty.
 
 use super::Instants;
-use super::candidates::{self, Candidate, Run};
+use super::candidates::{self, Candidate, ROUNDING, Run};
 use super::measure::{Pass, Watch};
 use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
@@ -10,9 +10,6 @@ use crate::bar::{InitialFan, initial_fans};
 use crate::error::Result;
 use crate::record::{self, ErrorTable};
 use crate::scene::{Effects, Scene};
-
-/// Rounding of an exact solution: sums over some thousand steps of double precision.
-pub(super) const ROUNDING: f64 = 1e-12;
 
 /// The reference.
 pub(super) struct Reference {

@@ -160,7 +160,7 @@ fn nothing_in(view: &View, name: PanelName) -> InputError {
         PanelName::Map | PanelName::Profiles => ("field", "no frame has been written yet"),
         PanelName::Gauges => ("gauge", "add `gauges` under [record] in the scene, and run it again"),
         PanelName::Ends => ("stress at an end", "both ends are free; try the field `velocity`"),
-        PanelName::Energy => ("ledger", "no row of the ledger has been written yet"),
+        PanelName::Energy => ("course of the energy", "it needs two rows of the ledger, and each frame has one"),
         PanelName::FrontSpeeds | PanelName::SelfSimilar => (
             "theoretical front",
             "it needs an end or a joint with a jump in velocity or stress at t = 0, and a finished run",

@@ -87,6 +87,9 @@ fn at_places(view: &View, names: &[String], histories: &[Own], samples: &[usize]
 /// Energies against time: where the work of the ends went.
 pub(super) fn ledger(view: &View) -> Result<Option<LinePanel>> {
     let rows = view.file.ledger()?;
+    if rows.len() < 2 {
+        return Ok(None);
+    }
     let unit = view.units.energy(&view.file.metadata().energy_units);
     let times: Vec<f64> = rows.iter().map(|row| row.time).collect();
     let line = |name: &str, stroke: Stroke, value: fn(&LedgerRow) -> f64| {

@@ -33,7 +33,14 @@ fn ball_wave(
     if closing <= 0.0 {
         return None;
     }
+    let curve = at.material.branch(Sense::Compression);
+    // An elastic bar meets the ball with the largest force.
     let most = contact.most_force(mass, closing, face.impedance);
+    let edges = fan_at_stress(curve, density, most / area).edges;
+    let (elastic, plastic) = edges.split_at(edges.partition_point(|edge| edge.is_elastic(c0)));
+    if plastic.is_empty() {
+        return None;
+    }
     let mut impact = Impact {
         ball: ends::model(end, face),
         face,
@@ -41,16 +48,14 @@ fn ball_wave(
         velocity: face.velocity,
         course: vec![(0.0, 0.0)],
     };
-    let curve = at.material.branch(Sense::Compression);
-    impact.rise(&fan_at_stress(curve, density, most / area).edges, curve)?;
+    impact.rise(&edges, curve)?;
     let (until, peak) = impact.latest();
     let jump = from_end(&EndCondition::Stress { history: History::constant(peak) }, (origin, x, segment), at)?;
     impact.fall(area * density * jump.slowing(c0));
     let end = EndCondition::Stress { history: History::new(&impact.course).ok()? };
     let jump = jump.held_by(&end, at, until);
-    let elastic =
-        jump.fan.edges.iter().take_while(|edge| edge.is_elastic(c0)).last().map_or(0.0, |edge| edge.stress_behind);
-    let yields_at = impact.course.iter().find(|row| -row.1 > elastic)?.0;
+    let yield_stress = elastic.last().map_or(0.0, |edge| edge.stress_behind);
+    let yields_at = impact.course.iter().find(|row| -row.1 > yield_stress)?.0;
     let is_known = until <= longest && yields_at < jump.alone_for(at.length);
     is_known.then(|| at_rising_load(&jump, &end, curve, until, dt)).flatten()
 }

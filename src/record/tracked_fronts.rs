@@ -28,16 +28,6 @@ pub struct TrackedFronts {
     first: Vec<FrontSegment>,
 }
 
-/// A segment begins where another one ends, and no other front has changed it: a wave of a striker only has come near.
-fn continues(piece: &FrontSegment, before: &FrontSegment) -> bool {
-    let same = |a: f64, b: f64| (a - b).abs() <= SAME_LEVEL * (a.abs() + b.abs());
-    piece.t[0] == before.t[1]
-        && piece.x[0] == before.x[1]
-        && same(speed(piece), speed(before))
-        && same(piece.ahead.stress, before.ahead.stress)
-        && same(piece.behind.stress, before.behind.stress)
-}
-
 impl TrackedFronts {
     /// Takes in front segments that ended.
     pub fn collect(&mut self, ended: &[FrontSegment]) {
@@ -77,6 +67,16 @@ impl TrackedFronts {
         rows.extend(rest.map(|(piece, _)| front_row(bar, piece, gauges)));
         rows
     }
+}
+
+/// A segment begins where another one ended, with the same speed and stresses: as where a wave behind a front only came near it.
+fn continues(piece: &FrontSegment, before: &FrontSegment) -> bool {
+    let same = |a: f64, b: f64| (a - b).abs() <= SAME_LEVEL * (a.abs() + b.abs());
+    piece.t[0] == before.t[1]
+        && piece.x[0] == before.x[1]
+        && same(speed(piece), speed(before))
+        && same(piece.ahead.stress, before.ahead.stress)
+        && same(piece.behind.stress, before.behind.stress)
 }
 
 /// Whether a piece is this edge of this fan.

@@ -467,4 +467,14 @@ fn find_methods(scene: &mut Scene, document: &Document, base: &Path) {
 }
 
 #[cfg(test)]
+impl Scene {
+    /// A copper bar whose end is pulled, for tests of what is done with scenes.
+    pub(crate) fn pulled() -> Self {
+        let text = "[bar]\nlength = \"1 m\"\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = \"-30 m/s\"\n\
+                    [right]\nkind = \"free\"\n[effects]\n[solve]\nuntil = \"1 ms\"\n";
+        Self::parse("bar.toml", text, Path::new(""), &[]).expect("a scene")
+    }
+}
+
+#[cfg(test)]
 mod tests;

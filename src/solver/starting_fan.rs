@@ -277,7 +277,7 @@ impl StartingFan {
     }
 
     /// The same of a fan from t = 0, each front of which leaves within a step: the stress at the end of a step, without what leaves beside it.
-    pub fn stress_of_left(&self, time: f64) -> f64 {
+    pub fn stress_of_departed(&self, time: f64) -> f64 {
         let left = self.fronts.partition_point(|front| front.delay < time);
         self.fronts.get(left).map_or(self.stress, |front| front.ahead[1]) + self.lost(0.0, time)[1]
     }

@@ -253,20 +253,6 @@ fn refined(method: Method, by: f64) -> Method {
 mod tests {
     use super::*;
 
-    const SCENE: &str = r#"
-[bar]
-length = "1 m"
-material = "copper-annealed"
-[left]
-kind = "velocity"
-value = "-30 m/s"
-[right]
-kind = "free"
-[effects]
-[solve]
-until = "1 ms"
-"#;
-
     fn candidate(method: Method, pilots: &[(f64, u64)]) -> Candidate {
         let mut candidate = Candidate::new(method);
         for &(estimate, work) in pilots {
@@ -337,7 +323,7 @@ until = "1 ms"
 
     #[test]
     fn what_takes_longer_than_the_longest_run_is_out_of_reach() {
-        let scene = Scene::parse("bar.toml", SCENE, std::path::Path::new(""), &[]).expect("a scene");
+        let scene = Scene::pulled();
         let mut grid = candidate(Method::Leapfrog { cells: 1000, cfl: 1.0 }, &[(0.1, 100_000), (0.05, 400_000)]);
         // Of first order: 1e6 times the cells, but the next pilot is too short to tell.
         grid.check_reach(&scene, 1e-8);

@@ -289,23 +289,9 @@ fn not_reached(scene: &Scene, tolerance: f64, candidates: &[Candidate]) -> Error
 mod tests {
     use super::*;
 
-    const SCENE: &str = r#"
-[bar]
-length = "1 m"
-material = "copper-annealed"
-[left]
-kind = "velocity"
-value = "-30 m/s"
-[right]
-kind = "free"
-[effects]
-[solve]
-until = "1 ms"
-"#;
-
     #[test]
     fn a_search_that_ends_names_the_run_that_came_nearest() {
-        let scene = Scene::parse("bar.toml", SCENE, std::path::Path::new(""), &[]).expect("a scene");
+        let scene = Scene::pulled();
         let mut grid = Candidate::new(Method::Leapfrog { cells: 1000, cfl: 1.0 });
         for (cells, estimate) in [(128, 0.1), (256, 0.05)] {
             let method = grid.method.with_cells(cells);

@@ -377,11 +377,9 @@ impl EndNode {
         let change = self.face.inward * velocity - self.node.after;
         let more = self.node.impedance * change;
         self.force += more;
-        let before = self.model.energy(self.displacement);
-        self.model.give(self.dt, self.dt * more, self.mass);
-        if self.model.stores() {
-            self.to_give += before - self.model.energy(self.displacement);
-        }
+        self.by_store(|end| {
+            end.model.give(end.dt, end.dt * more, end.mass);
+        });
         self.shift(change);
         self.node.after += change;
         let impulse = 0.5 * self.dt * more;
@@ -392,9 +390,16 @@ impl EndNode {
 
     /// The end moves faster by this in the step ahead, m/s, into the bar: a spring or a ball gives that work.
     fn shift(&mut self, change: f64) {
+        self.by_store(|end| {
+            end.displacement += end.dt * change;
+            end.model.shift(end.dt * change);
+        });
+    }
+
+    /// What the end stores gives the energy of this.
+    fn by_store(&mut self, act: impl FnOnce(&mut Self)) {
         let before = self.model.energy(self.displacement);
-        self.displacement += self.dt * change;
-        self.model.shift(self.dt * change);
+        act(self);
         if self.model.stores() {
             self.to_give += before - self.model.energy(self.displacement);
         }

@@ -199,7 +199,7 @@ impl Leapfrog {
         let [given, taken] = end.give(impulse, fan.velocity_at_origin(time, dt));
         // A load that comes within the step ahead has not come yet.
         if time >= 0.0 {
-            end.show(if by_ball { fan.stress_of_left(time) } else { fan.stress_at_origin(time, dt) });
+            end.show(if by_ball { fan.stress_of_departed(time) } else { fan.stress_at_origin(time, dt) });
         }
         energy += taken;
         if self.implicit.is_some() {

@@ -320,26 +320,12 @@ mod tests {
 
     /// Runs of a method that converges to `limit` with these errors.
     fn fronts(limit: f64, errors: &[f64]) -> Candidate<'static> {
-        let scene = Scene::parse("bar.toml", SCENE, std::path::Path::new(""), &[]).expect("a scene");
+        let scene = Scene::pulled();
         let mut candidate = Candidate::of_fronts(scene, None, Measure::Field);
         candidate.runs =
             errors.iter().zip([1e2, 3e2, 9e2]).map(|(error, fineness)| run(fineness, limit + error, 1.0)).collect();
         candidate
     }
-
-    const SCENE: &str = r#"
-[bar]
-length = "1 m"
-material = "copper-annealed"
-[left]
-kind = "velocity"
-value = "-30 m/s"
-[right]
-kind = "free"
-[effects]
-[solve]
-until = "1 ms"
-"#;
 
     #[test]
     fn grids_that_are_all_off_by_the_same_are_no_reference_beside_another_method() {

@@ -128,9 +128,7 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
         families.iter().enumerate().map(|(k, family)| below_reference(&reference, k, &family.levels)).collect();
     let (left, mut interrupted) = refinement::refine(&levels, LADDERS_BY * budget, &measure::passes, &mut bench);
     let Bench { mut points, mut watch, .. } = bench;
-    let uncertainty = reference.grid.map_or(reference.uncertainty, |(family, _)| {
-        judge::uncertainty(&points, family, [reference.own, reference.uncertainty])
-    });
+    let uncertainty = reference.uncertainty_beside(&points);
     for point in points.iter_mut().flatten() {
         point.below_reference = point.error <= uncertainty;
     }

@@ -1,10 +1,10 @@
 //! The reference solution of errors and its uncertainty.
 
-use super::Instants;
 use super::candidates::{self, Candidate, ROUNDING, Run};
 use super::measure::{Pass, Watch};
 use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
+use super::{CostPoint, Instants, judge};
 use crate::accuracy::{Response, similar_response};
 use crate::bar::{InitialFan, initial_fans};
 use crate::error::Result;
@@ -40,6 +40,12 @@ impl Reference {
             }
             Kind::Run(response) => pass.response.errors(response),
         }
+    }
+
+    /// Its uncertainty once the points of all families are known.
+    pub fn uncertainty_beside(&self, points: &[Vec<CostPoint>]) -> f64 {
+        let of_grid = |(family, _)| judge::uncertainty(points, family, [self.own, self.uncertainty]);
+        self.grid.map_or(self.uncertainty, of_grid)
     }
 }
 

@@ -12,6 +12,7 @@ use crate::error::{Error, InputError, Result};
 use crate::record::Field;
 use crate::report::{self, plot};
 use crate::study::compare::{Compared, compare};
+use crate::units::{Dimension, System, scale_for};
 
 /// Options of `barwave compare`.
 #[derive(Debug, clap::Args)]
@@ -38,6 +39,9 @@ pub(crate) struct Args {
     /// Print a JSON list and nothing else.
     #[arg(long)]
     json: bool,
+    /// Units of the printed table and the figure of materials; CSV and JSON are in SI units.
+    #[arg(long, value_name = "si|us", default_value = "si", hide_possible_values = true)]
+    units: System,
 }
 
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -50,6 +54,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     }
     output::check(args.json, [args.output.as_deref()])?;
     if let Some(files) = results(&args.names)? {
+        if args.units == System::Us {
+            let error = InputError::new("results are compared in SI units").key("--units").allowed("si");
+            return Err(error.help("leave it out; `barwave report --units us` shows each result").into());
+        }
         return compare_results::run(
             &files,
             &Outputs { file: args.output.as_deref(), json: args.json, field: args.field },
@@ -67,14 +75,14 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let compared = compare(&materials, args.sense.into());
     match args.output.as_deref() {
         Some(path) if is_csv => destination::write_whole(path, csv(&compared).as_bytes())?,
-        Some(path) => plot::save(path, "Materials side by side", &report::compare::figure(&compared))?,
+        Some(path) => plot::save(path, "Materials side by side", &report::compare::figure(&compared, args.units))?,
         None => {}
     }
     if args.json {
         return output::json_list(&compared);
     }
     let written = args.output.as_deref().and_then(output::wrote).map_or_else(String::new, |line| format!("\n{line}\n"));
-    output::text_beside([args.output.as_deref()], &format!("{}{written}", table(&compared)))
+    output::text_beside([args.output.as_deref()], &format!("{}{written}", table(&compared, args.units)))
 }
 
 /// The names as result files, where they are.
@@ -98,40 +106,43 @@ fn results(names: &[String]) -> Result<Option<Vec<PathBuf>>> {
 }
 
 /// One row a material, with the speeds of the last fronts of bars loaded to 1 % and 10 % of strain.
-fn table(compared: &[Compared]) -> String {
-    const GPA: f64 = 1e9;
+fn table(compared: &[Compared], units: System) -> String {
+    let [density, velocity, stress] =
+        [Dimension::Density, Dimension::Velocity, Dimension::Stress].map(|dimension| units.of_columns(dimension));
+    let modulus = scale_for(100e9, Dimension::Stress, units);
     let rows: Vec<_> = compared
         .iter()
         .map(|m| {
             let c = &m.critical;
             vec![
                 c.material.clone(),
-                output::fixed(Some(c.density_kg_m3), 0),
-                output::fixed(Some(m.modulus_pa / GPA), 1),
-                output::fixed(Some(m.elastic_speed_m_s), 0),
-                output::fixed(Some(c.yield_velocity_m_s), 2),
-                output::fixed(m.speed_at_1_percent, 1),
-                output::fixed(m.speed_at_10_percent, 1),
-                output::fixed(c.critical_velocity_m_s, 2),
+                output::fixed(Some(density.of(c.density_kg_m3)), if units == System::Si { 0 } else { 4 }),
+                output::fixed(Some(modulus.of(m.modulus_pa)), 1),
+                output::fixed(Some(velocity.of(m.elastic_speed_m_s)), 0),
+                output::fixed(Some(velocity.of(c.yield_velocity_m_s)), 2),
+                output::fixed(m.speed_at_1_percent.map(|c| velocity.of(c)), 1),
+                output::fixed(m.speed_at_10_percent.map(|c| velocity.of(c)), 1),
+                output::fixed(c.critical_velocity_m_s.map(|v| velocity.of(v)), 2),
                 output::fixed(c.strain_at_max, 4),
-                output::fixed(c.stress_at_max_pa.map(|s| s / 1e6), 1),
+                output::fixed(c.stress_at_max_pa.map(|s| stress.of(s)), 1),
                 c.reason.clone(),
             ]
         })
         .collect();
     let headings = [
-        "material",
-        "rho kg/m^3",
-        "E GPa",
-        "c0 m/s",
-        "v_yield m/s",
-        "c(1 %) m/s",
-        "c(10 %) m/s",
-        "v_c m/s",
-        "strain at max",
-        "max MPa",
-        "criterion",
+        "material".to_owned(),
+        format!("rho {}", density.symbol),
+        format!("E {}", modulus.symbol),
+        format!("c0 {}", velocity.symbol),
+        format!("v_yield {}", velocity.symbol),
+        format!("c(1 %) {}", velocity.symbol),
+        format!("c(10 %) {}", velocity.symbol),
+        format!("v_c {}", velocity.symbol),
+        "strain at max".to_owned(),
+        format!("max {}", stress.symbol),
+        "criterion".to_owned(),
     ];
+    let headings = headings.each_ref().map(String::as_str);
     output::table(&headings, &rows, 1, true)
 }
 

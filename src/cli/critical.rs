@@ -15,7 +15,7 @@ use crate::study::bracket::{Apparent, Confirmation, RateAndHeat, apparent, check
 use crate::study::critical::{CriticalRow, critical};
 use crate::study::sensitivity::{Interval, sensitivity};
 use crate::study::uncertainty::{Bootstrap, Uncertainty, uncertainty};
-use crate::units::{Dimension, Quantity};
+use crate::units::{Dimension, Quantity, System};
 
 mod tables;
 
@@ -67,6 +67,9 @@ pub(crate) struct Args {
     /// Print a JSON list and nothing else.
     #[arg(long)]
     json: bool,
+    /// Units of the printed table; CSV and JSON are in SI units.
+    #[arg(long, value_name = "si|us", default_value = "si", hide_possible_values = true)]
+    units: System,
 }
 
 /// A sense of loading on the command line.
@@ -137,7 +140,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.json {
         return output::json_list(&studied);
     }
-    output::text_beside([args.output.as_deref()], &tables::text(&studied, args.output.as_deref()))
+    output::text_beside([args.output.as_deref()], &tables::text(&studied, args.units, args.output.as_deref()))
 }
 
 /// Numbers of the command line that need checks.

@@ -6,8 +6,8 @@ use super::drawing::{Anchor, Area, Drawing, Picture, Stroke, text_width};
 use super::panel::{Series, draw_series};
 use super::plot::{COLOURS, colour};
 use crate::study::compare::Compared;
+use crate::units::{Dimension, Scale, System};
 
-const MPA: f64 = 1e6;
 const PERCENT: f64 = 0.01;
 
 const WIDTH: f64 = 1240.0;
@@ -34,7 +34,8 @@ struct Line<'a> {
 /// Curves, front speeds and impact velocities against strain, the ultimate points marked, and sorted critical velocities. SVG text.
 ///
 /// Lines differ in colour and dash, and carry the numbers of the bars at their ends.
-pub fn figure(materials: &[Compared]) -> Picture {
+pub fn figure(materials: &[Compared], units: System) -> Picture {
+    let velocity = units.of_columns(Dimension::Velocity);
     let lines = lines(materials);
     let second = HEIGHT.max(70.0 + ROW * lines.len() as f64);
     let width = (WIDTH - 3.0 * MARGIN) / 2.0;
@@ -45,10 +46,10 @@ pub fn figure(materials: &[Compared]) -> Picture {
         height: if row == 0 { HEIGHT } else { second },
     };
     let mut drawing = Drawing::default();
-    curves(&mut drawing, area(0, 0), &lines);
-    speeds(&mut drawing, area(1, 0), &lines);
-    velocities(&mut drawing, Area { height: HEIGHT, ..area(0, 1) }, &lines);
-    bars(&mut drawing, area(1, 1), &lines);
+    curves(&mut drawing, area(0, 0), &lines, units.of_columns(Dimension::Stress));
+    speeds(&mut drawing, area(1, 0), &lines, velocity);
+    velocities(&mut drawing, Area { height: HEIGHT, ..area(0, 1) }, &lines, velocity);
+    bars(&mut drawing, area(1, 1), &lines, velocity);
     drawing.finish(WIDTH, HEIGHT + second + 3.0 * MARGIN)
 }
 
@@ -121,10 +122,10 @@ fn numbers(lines: &[Line]) -> Vec<usize> {
 }
 
 /// Curves, thin past the ultimate point.
-fn curves(drawing: &mut Drawing, place: Area, lines: &[Line]) {
+fn curves(drawing: &mut Drawing, place: Area, lines: &[Line], stress: Scale) {
     let part = |line: &Line, keep: &dyn Fn(f64) -> bool| -> Vec<(f64, f64)> {
         let kept = line.material.curve.iter().filter(|p| keep(p.strain));
-        kept.map(|p| (p.strain / PERCENT, p.stress_pa / MPA)).collect()
+        kept.map(|p| (p.strain / PERCENT, stress.of(p.stress_pa))).collect()
     };
     let end = |line: &Line| line.material.critical.strain_at_max.unwrap_or(f64::INFINITY);
     let loading = |line: &Line| Series::line("", part(line, &|e| e <= end(line)), line.stroke.clone());
@@ -133,21 +134,22 @@ fn curves(drawing: &mut Drawing, place: Area, lines: &[Line]) {
     };
     let mut series: Vec<Series> = lines.iter().map(loading).collect();
     series.extend(lines.iter().map(falling));
-    series.extend(marks(lines, |m| Some((m.critical.strain_at_max? / PERCENT, m.critical.stress_at_max_pa? / MPA))));
+    series
+        .extend(marks(lines, |m| Some((m.critical.strain_at_max? / PERCENT, stress.of(m.critical.stress_at_max_pa?)))));
     let axes = [
         from_zero(STRAIN, largest(&series, |p| p.0)),
-        from_zero("engineering stress (MPa)", largest(&series, |p| p.1)),
+        from_zero(&format!("engineering stress ({})", stress.symbol), largest(&series, |p| p.1)),
     ];
     panel(drawing, place, "(a)  stress-strain curves, ultimate points", axes, &series, &numbers(lines));
 }
 
 /// Speeds of the last fronts as a staircase, on a logarithmic scale down to a thousandth of the fastest.
-fn speeds(drawing: &mut Drawing, place: Area, lines: &[Line]) {
-    let fastest = lines.iter().map(|line| line.material.elastic_speed_m_s).fold(0.0, f64::max);
+fn speeds(drawing: &mut Drawing, place: Area, lines: &[Line], unit: Scale) {
+    let fastest = lines.iter().map(|line| unit.of(line.material.elastic_speed_m_s)).fold(0.0, f64::max);
     let stairs = |line: &Line| {
         let steps = line.material.loading.windows(2).flat_map(|p| {
             // Below the panel, where the stress does not rise.
-            let speed = p[1].wave_speed_m_s.max(0.1 * SLOWEST * fastest);
+            let speed = unit.of(p[1].wave_speed_m_s).max(0.1 * SLOWEST * fastest);
             [(p[0].strain / PERCENT, speed), (p[1].strain / PERCENT, speed)]
         });
         Series::line("", steps.collect(), line.stroke.clone())
@@ -155,27 +157,29 @@ fn speeds(drawing: &mut Drawing, place: Area, lines: &[Line]) {
     let series: Vec<Series> = lines.iter().map(stairs).collect();
     let axes = [
         from_zero(STRAIN, largest(&series, |p| p.0)),
-        Axis::logarithmic("front speed (m/s)", SLOWEST * fastest, 1.4 * fastest),
+        Axis::logarithmic(&format!("front speed ({})", unit.symbol), SLOWEST * fastest, 1.4 * fastest),
     ];
     panel(drawing, place, "(b)  plastic wave speed", axes, &series, &numbers(lines));
 }
 
-fn velocities(drawing: &mut Drawing, place: Area, lines: &[Line]) {
+fn velocities(drawing: &mut Drawing, place: Area, lines: &[Line], unit: Scale) {
     let line = |line: &Line| {
-        let points = line.material.loading.iter().map(|p| (p.strain / PERCENT, p.impact_velocity_m_s));
+        let points = line.material.loading.iter().map(|p| (p.strain / PERCENT, unit.of(p.impact_velocity_m_s)));
         Series::line("", points.collect(), line.stroke.clone())
     };
     let mut series: Vec<Series> = lines.iter().map(line).collect();
-    series.extend(marks(lines, |m| Some((m.critical.strain_at_max? / PERCENT, m.critical.critical_velocity_m_s?))));
-    let axes =
-        [from_zero(STRAIN, largest(&series, |p| p.0)), from_zero("impact velocity (m/s)", largest(&series, |p| p.1))];
+    series.extend(marks(lines, |m| {
+        Some((m.critical.strain_at_max? / PERCENT, unit.of(m.critical.critical_velocity_m_s?)))
+    }));
+    let label = format!("impact velocity ({})", unit.symbol);
+    let axes = [from_zero(STRAIN, largest(&series, |p| p.0)), from_zero(&label, largest(&series, |p| p.1))];
     panel(drawing, place, "(c)  impact velocity", axes, &series, &numbers(lines));
 }
 
 /// Number, line, name and critical velocity of every material.
-fn bars(drawing: &mut Drawing, place: Area, lines: &[Line]) {
-    let heading = "(d)  critical impact velocity (m/s)";
-    drawing.bold((place.x + 26.0, place.y + 16.0), 14.5, Anchor::Start, heading);
+fn bars(drawing: &mut Drawing, place: Area, lines: &[Line], unit: Scale) {
+    let heading = format!("(d)  critical impact velocity ({})", unit.symbol);
+    drawing.bold((place.x + 26.0, place.y + 16.0), 14.5, Anchor::Start, &heading);
     let widest = lines.iter().map(|line| text_width(&line.material.critical.material, 12.0)).fold(0.0, f64::max);
     let names = place.x + 76.0;
     let start = names + 1.08 * widest + 8.0;
@@ -193,6 +197,6 @@ fn bars(drawing: &mut Drawing, place: Area, lines: &[Line]) {
         let width = (place.x + place.width - start - 50.0) * velocity / most;
         let bar = Area { x: start, y: y + 3.0, width, height: ROW - 6.0 };
         drawing.rect(bar, &line.stroke.colour, None);
-        drawing.text((bar.right() + 5.0, middle + 4.0), 12.0, Anchor::Start, &format!("{velocity:.2}"));
+        drawing.text((bar.right() + 5.0, middle + 4.0), 12.0, Anchor::Start, &format!("{:.2}", unit.of(velocity)));
     }
 }

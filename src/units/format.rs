@@ -16,6 +16,26 @@ pub fn scale_for(magnitude: f64, dimension: Dimension, system: System) -> Scale 
     *choices.iter().rev().find(fits).unwrap_or(&choices[0])
 }
 
+impl System {
+    /// The unit of columns and axes, which is one for all their values: that which suits bars and the loads on them, such as MPa or ksi.
+    pub fn of_columns(self, dimension: Dimension) -> Scale {
+        let usual = match dimension {
+            Dimension::Stress => 100e6,
+            Dimension::Length => 0.1,
+            Dimension::Time => 100e-6,
+            _ => 10.0,
+        };
+        scale_for(usual, dimension, self)
+    }
+}
+
+impl Scale {
+    /// A value in this unit.
+    pub fn of(self, value: f64) -> f64 {
+        value / self.si
+    }
+}
+
 /// A value with a fitting unit, six significant digits: "386.554 MPa".
 pub fn format(value: f64, dimension: Dimension, system: System) -> String {
     let scale = scale_for(value, dimension, system);
@@ -62,6 +82,17 @@ mod tests {
         assert_eq!(us(80.0 * 0.3048, Dimension::Velocity), "80 ft/s");
         assert_eq!(us(0.254, Dimension::Length), "10 in");
         assert_eq!(us(29e6 * PSI, Dimension::Stress), "29000 ksi");
+    }
+
+    #[test]
+    fn columns_have_the_units_of_bars() {
+        let symbols = |system: System| {
+            let all = [Dimension::Stress, Dimension::Length, Dimension::Time, Dimension::Velocity, Dimension::Energy];
+            all.map(|dimension| system.of_columns(dimension).symbol)
+        };
+        assert_eq!(symbols(System::Si), ["MPa", "mm", "us", "m/s", "J"]);
+        assert_eq!(symbols(System::Us), ["ksi", "in", "us", "ft/s", "ft*lbf"]);
+        assert!((System::Us.of_columns(Dimension::Velocity).of(0.3048) - 1.0).abs() < 1e-12);
     }
 
     #[test]

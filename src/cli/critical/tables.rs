@@ -8,15 +8,15 @@ use crate::cli::output;
 use crate::study::bracket::{Apparent, Confirmation};
 use crate::study::sensitivity::Interval;
 use crate::study::uncertainty::{FEWEST, Uncertainty};
+use crate::units::{Dimension, Scale, System, format as with_unit};
 
-const MPA: f64 = 1e6;
 const PERCENT: f64 = 0.01;
 
 /// The rows for people, at most 80 columns wide, and below them what else was asked for.
-pub(super) fn text(studied: &[Studied], written: Option<&Path>) -> String {
-    let mut text = rows(studied);
+pub(super) fn text(studied: &[Studied], units: System, written: Option<&Path>) -> String {
+    let mut text = rows(studied, units);
     for one in studied {
-        text += &details(one);
+        text += &details(one, units);
     }
     if let Some(line) = written.and_then(output::wrote) {
         let _ = writeln!(text, "\n{line}");
@@ -24,44 +24,52 @@ pub(super) fn text(studied: &[Studied], written: Option<&Path>) -> String {
     text
 }
 
-fn rows(studied: &[Studied]) -> String {
+fn rows(studied: &[Studied], units: System) -> String {
+    let (velocity, stress) = (velocity(units), units.of_columns(Dimension::Stress));
     let cells = |s: &Studied| {
         let r = &s.row;
         vec![
             r.material.clone(),
-            output::fixed(r.critical_velocity_m_s, 2),
-            output::fixed(Some(r.yield_velocity_m_s), 2),
+            output::fixed(r.critical_velocity_m_s.map(|v| velocity.of(v)), 2),
+            output::fixed(Some(velocity.of(r.yield_velocity_m_s)), 2),
             output::fixed(r.strain_at_max, 4),
-            output::fixed(r.stress_at_max_pa.map(|s| s / MPA), 1),
+            output::fixed(r.stress_at_max_pa.map(|s| stress.of(s)), 1),
             if r.critical_velocity_m_s.is_some() { r.reason.clone() } else { "none".into() },
         ]
     };
-    let headings = ["material", "v_c m/s", "v_y m/s", "strain", "stress MPa", "criterion"];
+    let [v_c, v_y] = ["v_c", "v_y"].map(|name| format!("{name} {}", velocity.symbol));
+    let headings = ["material", &v_c, &v_y, "strain", &format!("stress {}", stress.symbol), "criterion"];
     output::table(&headings, &studied.iter().map(cells).collect::<Vec<_>>(), 1, true)
 }
 
-fn details(s: &Studied) -> String {
+fn velocity(units: System) -> Scale {
+    units.of_columns(Dimension::Velocity)
+}
+
+fn details(s: &Studied, units: System) -> String {
+    let unit = velocity(units);
     let mut text = String::new();
     let name = &s.row.material;
     if s.row.critical_velocity_m_s.is_none() {
         let _ = writeln!(text, "{name}: no critical velocity:\n  {}", s.row.reason);
     }
     if let Some(uncertainty) = &s.scatter {
-        text += &scatter(name, uncertainty);
+        text += &scatter(name, uncertainty, unit);
     }
     if let Some(simulated) = &s.simulated {
-        text += &simulation(name, simulated.as_ref());
+        text += &simulation(name, simulated.as_ref(), unit);
     }
     if let (Some(Some(found)), Some(velocity)) = (&s.apparent, s.row.critical_velocity_m_s) {
-        text += &apparent(name, found, velocity);
+        text += &apparent(name, found, velocity, units);
     }
     if let Some(intervals) = s.sensitivity.as_ref().filter(|intervals| !intervals.is_empty()) {
-        text += &sensitivity(name, intervals);
+        text += &sensitivity(name, intervals, unit);
     }
     if text.is_empty() { text } else { format!("\n{text}") }
 }
 
-fn scatter(name: &str, u: &Uncertainty) -> String {
+fn scatter(name: &str, u: &Uncertainty, unit: Scale) -> String {
+    let symbol = unit.symbol;
     let what = match u.basis {
         "tests" => format!("{} tests", u.tests.len()),
         _ => "band of one standard deviation of the stress".into(),
@@ -69,17 +77,18 @@ fn scatter(name: &str, u: &Uncertainty) -> String {
     let mut text = format!("{name}: {what}\n");
     for test in &u.tests {
         let value = test.critical_velocity_m_s.map_or("none: it ends while the stress rises".into(), |v| {
-            let number = output::fixed(Some(v), 2);
-            format!("{number:>8} m/s")
+            let number = output::fixed(Some(unit.of(v)), 2);
+            format!("{number:>8} {symbol}")
         });
         let _ = writeln!(text, "  {:<24}{value}", test.record);
     }
     for (name, value) in [("mean", u.mean_m_s), ("standard deviation", u.standard_deviation_m_s)] {
         if let Some(value) = value {
-            let _ = writeln!(text, "  {name:<24}{value:>8.2} m/s");
+            let _ = writeln!(text, "  {name:<24}{:>8.2} {symbol}", unit.of(value));
         }
     }
-    let interval = u.interval_95_m_s.map_or_else(|| too_few(u), |[low, high]| format!("{low:.2} to {high:.2} m/s"));
+    let range = |[low, high]: [f64; 2]| format!("{:.2} to {:.2} {symbol}", unit.of(low), unit.of(high));
+    let interval = u.interval_95_m_s.map_or_else(|| too_few(u), range);
     let _ = writeln!(text, "  95 % interval           {interval}");
     text + &of_what(u)
 }
@@ -109,7 +118,7 @@ fn of_what(u: &Uncertainty) -> String {
     }
 }
 
-fn simulation(name: &str, simulated: Option<&Confirmation>) -> String {
+fn simulation(name: &str, simulated: Option<&Confirmation>, unit: Scale) -> String {
     let Some(s) = simulated else {
         return format!("{name}: not simulated, no critical velocity within the data\n");
     };
@@ -120,43 +129,49 @@ fn simulation(name: &str, simulated: Option<&Confirmation>) -> String {
         (false, false) => "NOT confirmed by simulation: the grid has not converged",
     };
     format!(
-        "{name}: {verdict}\n  front tracking  no fracture at {:.3} m/s, fracture at {:.3} m/s\n  leapfrog        \
-         no fracture at {:.2} m/s, fracture at {:.2} m/s\n                  ({} cells; changes by {:.2} m/s with half as many)\n",
-        fronts.holds_m_s,
-        fronts.breaks_m_s,
-        grid.bracket.holds_m_s,
-        grid.bracket.breaks_m_s,
+        "{name}: {verdict}\n  front tracking  no fracture at {:.3} {v}, fracture at {:.3} {v}\n  leapfrog        \
+         no fracture at {:.2} {v}, fracture at {:.2} {v}\n                  ({} cells; changes by {:.2} {v} with half as many)\n",
+        unit.of(fronts.holds_m_s),
+        unit.of(fronts.breaks_m_s),
+        unit.of(grid.bracket.holds_m_s),
+        unit.of(grid.bracket.breaks_m_s),
         grid.cells,
-        grid.resolution_m_s
+        unit.of(grid.resolution_m_s),
+        v = unit.symbol,
     )
 }
 
-fn apparent(name: &str, a: &Apparent, velocity: f64) -> String {
-    let adiabatic = a.adiabatic_m_s.map_or_else(String::new, |v| format!("  adiabatic curve {v:.2} m/s\n"));
+fn apparent(name: &str, a: &Apparent, static_velocity: f64, units: System) -> String {
+    let unit = velocity(units);
+    let v = unit.symbol;
+    let adiabatic = |found| format!("  adiabatic curve {:.2} {v}\n", unit.of(found));
+    let adiabatic = a.adiabatic_m_s.map_or_else(String::new, adiabatic);
     format!(
-        "{name}: with {}\n  static          {velocity:.2} m/s\n{adiabatic}  apparent        {:.2} m/s, bar of {:.4} m ({} \
-         cells; changes by {:.2} m/s with half as many)\n  The apparent critical velocity is the lowest constant velocity of \
+        "{name}: with {}\n  static          {:.2} {v}\n{adiabatic}  apparent        {:.2} {v}, bar of {} ({} \
+         cells; changes by {:.2} {v} with half as many)\n  The apparent critical velocity is the lowest constant velocity of \
          the end\n  at which the mean strain of the first 1 % of the bar exceeds the strain of the\n  largest static stress \
          ({:.4}) before the elastic wave returns from the far end\n  (2 L/c0).\n",
         a.effects.join(", "),
-        a.grid.bracket.middle(),
-        a.length_m,
+        unit.of(static_velocity),
+        unit.of(a.grid.bracket.middle()),
+        with_unit(a.length_m, Dimension::Length, units),
         a.grid.cells,
-        a.grid.resolution_m_s,
+        unit.of(a.grid.resolution_m_s),
         a.strain_limit
     )
 }
 
-fn sensitivity(name: &str, intervals: &[Interval]) -> String {
+fn sensitivity(name: &str, intervals: &[Interval], unit: Scale) -> String {
     let row = |i: &Interval| {
         vec![
             format!("{:.4} to {:.4}", i.from, i.to),
-            format!("{:.2}", i.contribution_m_s),
+            format!("{:.2}", unit.of(i.contribution_m_s)),
             format!("{:.1}", i.share / PERCENT),
-            format!("{:+.3}", i.per_percent_of_stress_m_s),
+            format!("{:+.3}", unit.of(i.per_percent_of_stress_m_s)),
         ]
     };
-    let headings = ["strain", "contribution m/s", "fraction %", "m/s per 1 % of stress"];
+    let v = unit.symbol;
+    let headings = ["strain", &format!("contribution {v}"), "fraction %", &format!("{v} per 1 % of stress")];
     let rows: Vec<_> = intervals.iter().map(row).collect();
     let table = output::table(&headings, &rows, 1, false);
     format!(

@@ -11,7 +11,7 @@ use crate::error::{InputError, Result};
 use crate::material::Sense;
 use crate::study::invert::arrivals::{Inverted, Options, of_records, of_table};
 use crate::study::invert::{MaterialText, Recording, from_waves};
-use crate::units::{Dimension, System, format};
+use crate::units::Dimension;
 
 const TITLE: &str = "Curve from arrival times";
 
@@ -133,7 +133,7 @@ fn write(args: &Args, options: &Options, recording: Option<&Recording>, inverted
 }
 
 fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
-    let show = |value, dimension| format(value, dimension, System::Si);
+    let show = |value, dimension| args.outputs.show(value, dimension);
     let mut lines = Lines::under(&std::format!("{TITLE}, {}", args.file.display()));
     let mut places: Vec<f64> = inverted.distances.clone();
     places.dedup();

@@ -16,7 +16,7 @@ use crate::study::invert::hopkinson::{
     ElasticBar, Knot, Moment, Options, Records, Reduced, Setup, Test, records_from_csv, reduce,
 };
 use crate::study::invert::{MaterialText, MeasuredKnot, against_knots, with_elastic_part};
-use crate::units::{Dimension, System, format};
+use crate::units::{Dimension, System, format, in_units};
 
 /// Options of `barwave invert hopkinson`.
 #[derive(Debug, clap::Args)]
@@ -244,21 +244,25 @@ fn write(args: &Args, reduced: &mut Reduced, test: Option<&Test>) -> Result<()> 
     let reduced = &*reduced;
     let given = test.and_then(|t| t.given.as_ref());
     let title = "Split-Hopkinson reduction";
-    outputs.write(title, || report::invert::hopkinson(title, reduced, given), || csv(&reduced.moments))?;
+    outputs.write(
+        title,
+        || report::invert::hopkinson(title, reduced, given, outputs.units),
+        || csv(&reduced.moments),
+    )?;
     if outputs.json {
         return output::json(reduced);
     }
-    output::note(&shared::warnings(&reduced.warnings));
+    output::note(&shared::warnings(&reduced.warnings, outputs.units));
     let mut lines = lines(args, reduced, test, given);
     if let Some(sentence) = elastic {
-        lines.add("elastic part", sentence);
+        lines.add("elastic part", in_units(&sentence, outputs.units));
     }
     lines.extend(outputs.written(&knots));
-    output::text(&(lines.text() + &table(&reduced.moments, reduced.loading_until_s)))
+    output::text(&(lines.text() + &table(&reduced.moments, reduced.loading_until_s, outputs.units)))
 }
 
 fn lines(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Curve>) -> Lines {
-    let show = |value, dimension| format(value, dimension, System::Si);
+    let show = |value, dimension| args.outputs.show(value, dimension);
     let mut lines = Lines::under(&std::format!("Split-Hopkinson reduction, {}", args.file.display()));
     let setup = &reduced.setup;
     let size = show(setup.length, Dimension::Length);
@@ -268,7 +272,12 @@ fn lines(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Cur
     let shifts = [setup.incident, setup.transmitted].map(|bar| show(bar.distance / bar.c0(), Dimension::Time));
     lines.add(
         "gauge delays",
-        std::format!("{} incident, {} transmitted, at c0 = {:.1} m/s", shifts[0], shifts[1], setup.incident.c0()),
+        std::format!(
+            "{} incident, {} transmitted, at c0 = {}",
+            shifts[0],
+            shifts[1],
+            show(setup.incident.c0(), Dimension::Velocity)
+        ),
     );
     lines.add("window", std::format!("{} after arrival of the pulse", show(reduced.window_s, Dimension::Time)));
     let pair = |[a, b]: [f64; 2]| std::format!("{} incident, {} transmitted", shared::micro(a), shared::micro(b));
@@ -317,7 +326,8 @@ fn lines(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Cur
 /// Rows shown to people, up to the end of the loading; CSV has all moments.
 const ROWS: usize = 12;
 
-fn table(moments: &[Moment], until: f64) -> String {
+fn table(moments: &[Moment], until: f64, units: System) -> String {
+    let stress = units.of_columns(Dimension::Stress);
     let loaded = &moments[..moments.partition_point(|m| m.time_s <= until)];
     let every = (loaded.len() / ROWS).max(1);
     let rows: Vec<Vec<String>> = loaded
@@ -325,21 +335,29 @@ fn table(moments: &[Moment], until: f64) -> String {
         .skip(every)
         .step_by(every)
         .map(|m| {
-            let mega = |pa: f64| std::format!("{:.1}", pa / 1e6);
+            let shown = |pa: f64| std::format!("{:.1}", stress.of(pa));
             vec![
                 std::format!("{:.1}", 1e6 * m.time_s),
                 std::format!("{:.4}", m.strain),
                 std::format!("{:.0}", m.rate),
-                mega(m.stress),
+                shown(m.stress),
                 std::format!("{:.4}", m.strain_one_wave),
                 std::format!("{:.0}", m.rate_one_wave),
-                mega(m.stress_one_wave),
+                shown(m.stress_one_wave),
                 faces_differ(m),
             ]
         })
         .collect();
-    let headings =
-        ["t us", "strain", "rate 1/s", "stress MPa", "strain (1w)", "rate (1w)", "stress (1w)", "faces differ %"];
+    let headings = [
+        "t us",
+        "strain",
+        "rate 1/s",
+        &std::format!("stress {}", stress.symbol),
+        "strain (1w)",
+        "rate (1w)",
+        "stress (1w)",
+        "faces differ %",
+    ];
     output::table(&headings, &rows, 0, false)
 }
 

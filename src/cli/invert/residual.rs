@@ -11,7 +11,7 @@ use crate::error::{InputError, Result};
 use crate::material::Curve;
 use crate::study::invert::residual::{Inverted, Options, Profile, State, Test, invert};
 use crate::study::invert::{MaterialText, from_waves};
-use crate::units::{Dimension, System, format};
+use crate::units::Dimension;
 
 const TITLE: &str = "Curve from the strain along a wire";
 
@@ -138,7 +138,7 @@ fn write(args: &Args, options: &Options, profile: &Profile, inverted: &Inverted,
 }
 
 fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
-    let show = |value, dimension| format(value, dimension, System::Si);
+    let show = |value, dimension| args.outputs.show(value, dimension);
     let mut lines = Lines::under(&std::format!("{TITLE}, {}", args.file.display()));
     let when = show(options.time, Dimension::Time);
     lines.add(
@@ -155,7 +155,9 @@ fn lines(args: &Args, options: &Options, inverted: &Inverted) -> Lines {
         if inverted.yield_from_velocity {
             "equals the impact velocity, which gives the yield stress".to_owned()
         } else {
-            std::format!("{:.2} m/s, 95 %: {:.2} to {:.2} m/s", integral.value, integral.low, integral.high)
+            let unit = args.outputs.units.of_columns(Dimension::Velocity);
+            let [value, low, high] = [integral.value, integral.low, integral.high].map(|v| unit.of(v));
+            std::format!("{value:.2} {v}, 95 %: {low:.2} to {high:.2} {v}", v = unit.symbol)
         },
     );
     if let Some(stress) = inverted.yield_stress {

@@ -15,7 +15,7 @@ use crate::material::file::of_document;
 use crate::record::store::ResultFile;
 use crate::report::{self, plot};
 use crate::study::invert::{Interval, MaterialText, MeasuredKnot, WavePoint, against, extended, material_text};
-use crate::units::Dimension;
+use crate::units::{Dimension, Scale, System, format as with_unit, in_units};
 
 /// Where results go.
 #[derive(Debug, clap::Args)]
@@ -35,6 +35,9 @@ pub(super) struct Outputs {
     /// Print a JSON object and nothing else.
     #[arg(long)]
     pub(super) json: bool,
+    /// Units of the printed table and the figure; the other files and JSON are in SI units.
+    #[arg(long, value_name = "si|us", default_value = "si", hide_possible_values = true)]
+    pub(super) units: System,
 }
 
 /// A curve by wave theory.
@@ -115,7 +118,7 @@ impl Outputs {
         mut lines: Lines,
     ) -> Result<()> {
         self.write_material(material, knots)?;
-        let figure = || report::invert::waves(waves.title, waves.points, waves.given);
+        let figure = || report::invert::waves(waves.title, waves.points, waves.given, self.units);
         self.write(waves.title, figure, || curve_csv(waves.points))?;
         if self.json {
             return output::json(object);
@@ -125,8 +128,13 @@ impl Outputs {
             lines.add("deviation", format!("at most {percent:+.1} % from the simulated curve, at strain {strain:.4}"));
         }
         lines.extend(self.written(knots));
-        output::note(&warnings(waves.warnings));
-        output::text(&(lines.text() + &curve_table(waves.points)))
+        output::note(&warnings(waves.warnings, self.units));
+        output::text(&(lines.text() + &curve_table(waves.points, self.units)))
+    }
+
+    /// A value with a unit, as it is printed.
+    pub(super) fn show(&self, value: f64, dimension: Dimension) -> String {
+        with_unit(value, dimension, self.units)
     }
 
     /// Lines that name what was written, and where the curve of the material ends.
@@ -186,26 +194,30 @@ pub(super) fn micro(strain: f64) -> String {
 }
 
 /// Warnings as lines.
-pub(super) fn warnings(all: &[String]) -> String {
-    all.iter().flat_map(|warning| ["warning: ", warning, "\n"]).collect()
+pub(super) fn warnings(all: &[String], units: System) -> String {
+    all.iter().map(|warning| format!("warning: {}\n", in_units(warning, units))).collect()
 }
 
 /// Rows of a curve shown to people; JSON and CSV have all.
 const ROWS: usize = 10;
 
 /// Curve points with their 95 % intervals.
-fn curve_table(points: &[WavePoint]) -> String {
+fn curve_table(points: &[WavePoint], units: System) -> String {
+    let [stress, velocity] = [Dimension::Stress, Dimension::Velocity].map(|dimension| units.of_columns(dimension));
     let every = points.len().div_ceil(ROWS).max(1);
     let shown = points.iter().rev().step_by(every).collect::<Vec<_>>().into_iter().rev();
-    let of = |Interval { value, low, high }: Interval, unit: f64, digits: usize| {
-        [value, low, high].map(|v| format!("{:.digits$}", v / unit))
+    let of = |Interval { value, low, high }: Interval, unit: Scale, digits: usize| {
+        [value, low, high].map(|v| format!("{:.digits$}", unit.of(v)))
     };
     let row = |p: &WavePoint| {
-        let [c, stress, v] = [of(p.wave_speed_m_s, 1.0, 1), of(p.stress_pa, 1e6, 2), of(p.velocity_m_s, 1.0, 2)];
-        [vec![format!("{:.6}", p.strain)], c.to_vec(), stress.to_vec(), v.to_vec()].concat()
+        let [c, s, v] =
+            [of(p.wave_speed_m_s, velocity, 1), of(p.stress_pa, stress, 2), of(p.velocity_m_s, velocity, 2)];
+        [vec![format!("{:.6}", p.strain)], c.to_vec(), s.to_vec(), v.to_vec()].concat()
     };
     let rows: Vec<Vec<String>> = shown.map(row).collect();
-    let headings = ["strain", "c m/s", "low", "high", "stress MPa", "low", "high", "v m/s", "low", "high"];
+    let [c, v] = ["c", "v"].map(|name| format!("{name} {}", velocity.symbol));
+    let s = format!("stress {}", stress.symbol);
+    let headings = ["strain", &c, "low", "high", &s, "low", "high", &v, "low", "high"];
     output::table(&headings, &rows, 0, false)
 }
 

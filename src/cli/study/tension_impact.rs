@@ -12,6 +12,7 @@ use crate::report::{plot, tension as picture};
 use crate::scene::KINDS;
 use crate::study::sweep::{Shard, run as run_cases};
 use crate::study::tension::{FarEnd, Results, SPECIMEN, Specimen, Test, results, write_csv, write_hdf5};
+use crate::units::{Dimension, System, format as with_unit};
 
 /// Options of `barwave study tension-impact`.
 #[derive(Debug, clap::Args)]
@@ -59,6 +60,9 @@ pub(crate) struct Args {
     /// No progress bar and no table.
     #[arg(long)]
     quiet: bool,
+    /// Units of the printed table and the figure; the other files and JSON are in SI units.
+    #[arg(long, value_name = "si|us", default_value = "si", hide_possible_values = true)]
+    units: System,
 }
 
 /// The argument of the library that these options give.
@@ -85,11 +89,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let figure = args.figure.clone().unwrap_or_else(|| folder.join("tension-impact.svg"));
     write_csv(&folder.join("tension-impact.csv"), &results)?;
     write_hdf5(&folder.join("tension-impact.h5"), &results)?;
-    plot::save(&figure, &format!("Tension impact of {}", results.material), &picture::draw(&results))?;
+    plot::save(&figure, &format!("Tension impact of {}", results.material), &picture::draw(&results, args.units))?;
     if args.json {
         return output::json(&results);
     }
-    if args.quiet { Ok(()) } else { output::text(&text(&results, &folder, &figure)) }
+    if args.quiet { Ok(()) } else { output::text(&text(&results, args.units, &folder, &figure)) }
 }
 
 /// A scene, or a specimen of a material.
@@ -152,15 +156,26 @@ fn velocities(args: &Args) -> Result<Option<Value>> {
     Ok(Some(Value::Table(entries.map(|(key, value)| (key.to_owned(), value)).into_iter().collect())))
 }
 
-fn text(results: &Results, folder: &Path, figure: &Path) -> String {
-    let headings = ["m/s", "elongation", "energy J", "fracture at mm", "after us", "status"];
+fn text(results: &Results, units: System, folder: &Path, figure: &Path) -> String {
+    let [unit, energy, length, time] = [Dimension::Velocity, Dimension::Energy, Dimension::Length, Dimension::Time]
+        .map(|dimension| units.of_columns(dimension));
+    let v = unit.symbol;
+    let energy_heading = format!("energy {}", energy.symbol);
+    let headings = [
+        v,
+        "elongation",
+        &energy_heading,
+        &format!("fracture at {}", length.symbol),
+        &format!("after {}", time.symbol),
+        "status",
+    ];
     let rows = results.points.iter().map(|point| {
         vec![
-            output::fixed(Some(point.velocity_m_s), 2),
+            output::fixed(Some(unit.of(point.velocity_m_s)), 2),
             output::fixed(point.elongation, 4),
-            output::fixed(point.energy, 2),
-            output::fixed(point.fracture_position_m.map(|x| 1e3 * x), 1),
-            output::fixed(point.fracture_time_s.map(|t| 1e6 * t), 1),
+            output::fixed(point.energy.map(|e| energy.of(e)), 2),
+            output::fixed(point.fracture_position_m.map(|x| length.of(x)), if units == System::Si { 1 } else { 3 }),
+            output::fixed(point.fracture_time_s.map(|t| time.of(t)), 1),
             match (point.at_struck_end, point.at_once) {
                 (true, true) => "rupture at struck end at once".to_owned(),
                 (true, false) => "rupture at struck end, after reflections".to_owned(),
@@ -173,19 +188,24 @@ fn text(results: &Results, folder: &Path, figure: &Path) -> String {
     let largest = largest.map_or_else(
         || "no fracture".to_owned(),
         |(elongation, velocity)| {
-            format!("{elongation:.4} at {velocity:.2} m/s ({} curve {:.4})", results.curve, results.static_elongation)
+            format!(
+                "{elongation:.4} at {:.2} {v} ({} curve {:.4})",
+                unit.of(velocity),
+                results.curve,
+                results.static_elongation
+            )
         },
     );
     let critical = results.critical_between_m_s.map_or_else(
         || "not within these velocities".to_owned(),
-        |[low, high]| format!("between {low:.2} m/s and {high:.2} m/s"),
+        |[low, high]| format!("between {:.2} {v} and {:.2} {v}", unit.of(low), unit.of(high)),
     );
     format!(
-        "Tension impact of {}, gauge length {} mm\n{table}\n  largest elongation    {largest}\n  at struck end at once {critical}\n  \
-         critical velocity     {:.2} m/s, from the {} curve\n  results               {}\n  figure                {}\n",
+        "Tension impact of {}, gauge length {}\n{table}\n  largest elongation    {largest}\n  at struck end at once {critical}\n  \
+         critical velocity     {:.2} {v}, from the {} curve\n  results               {}\n  figure                {}\n",
         results.material,
-        1e3 * results.length_m,
-        results.critical_velocity_m_s,
+        with_unit(results.length_m, Dimension::Length, units),
+        unit.of(results.critical_velocity_m_s),
         results.curve,
         folder.display(),
         figure.display()

@@ -70,15 +70,21 @@ pub(super) fn tracked(scene: &Scene, dt: f64, until: f64) -> Vec<InitialFan> {
             fans.extend(later.into_iter().filter(|fan| fan.from > known_until));
         }
         let held = follow(&holding, STEP).0;
-        hold(&mut fans, held, &jumping);
+        hold(&mut fans, &held, &jumping);
     }
     fans
 }
 
+/// Both are of one end or joint, and of one moment.
+fn together(a: &InitialFan, b: &InitialFan) -> bool {
+    a.origin == b.origin && a.from == b.from
+}
+
 /// Gives fans the time for which they would hold if no load lessened, as in the `held` ones. What unloads the bar behind a fan as its own load lessens is
 /// known, see [`crate::solver::unloading`]; where the first wave of such a load starts one, that hardly changes for some time.
-fn hold(fans: &mut Vec<InitialFan>, held: Vec<InitialFan>, scene: &Scene) {
-    let steady = steady_for(scene);
+fn hold(fans: &mut Vec<InitialFan>, held: &[InitialFan], scene: &Scene) {
+    let held: Vec<InitialFan> =
+        held.chunk_by(together).flat_map(|fans| fans.iter().map(|fan| under_wave(fan, fans, scene))).collect();
     let same = |a: &InitialFan, b: &InitialFan| {
         a.origin == b.origin && a.segment == b.segment && (a.from - b.from).abs() <= SAME_TIME * a.from
     };
@@ -89,26 +95,43 @@ fn hold(fans: &mut Vec<InitialFan>, held: Vec<InitialFan>, scene: &Scene) {
                 fan.holds_until = held.holds_until;
             }
         } else if held.waves_before == 0 {
-            let holds_until = held.holds_until.min(steady);
             match found {
-                Some(fan) => fan.holds_until = fan.holds_until.max(holds_until),
-                None => fans.push(InitialFan { holds_until, ..held }),
+                Some(fan) if fan.holds_until >= held.holds_until => {}
+                Some(fan) => *fan = held,
+                None => fans.push(held),
             }
         }
     }
     fans.sort_by(|a, b| a.from.total_cmp(&b.from));
 }
 
-/// Part of its stress by which a wave that starts a fan may change meanwhile. The fan of steel under a striker had 19 % too much strain without, where
-/// it changes by 5 % over 6 cells.
+/// One of the fans of an end or a joint as the first wave of a load starts them that may lessen. Through a segment that stays elastic it is seen to come to a joint,
+/// and the fan follows it; elsewhere it has to stay as it is.
+fn under_wave(fan: &InitialFan, fans: &[InitialFan], scene: &Scene) -> InitialFan {
+    let c0 = |fan: &InitialFan| scene.bar.segments[fan.segment].material.c0();
+    if fan.wave_through.is_none() || fan.waves_before > 0 {
+        return fan.clone();
+    }
+    let largest = |of: &dyn Fn(&InitialFan) -> f64| fans.iter().map(of).fold(0.0, f64::max);
+    let is_seen = fans.iter().any(|fan| fan.wave_through == Some(fan.segment) && is_elastic(fan, &scene.bar));
+    if is_seen {
+        let part = largest(&|fan| fan.can_lose(c0(fan)));
+        return fan.clone().fading(part, steady_for(scene, part));
+    }
+    let steady = steady_for(scene, STEADY * largest(&|fan| fan.plastic_part(c0(fan))));
+    InitialFan { holds_until: fan.holds_until.min(steady), ..fan.clone() }
+}
+
+/// Part of its stress by which a wave that starts a fan may change meanwhile, where all of it becomes plastic fronts; less where these are but what is
+/// left of the wave. The fan of steel under a striker had 19 % too much strain without, where it changes by 5 % over 6 cells.
 const STEADY: f64 = 0.05;
 
-/// For how long the first waves of loads that have begun hardly change, s.
-fn steady_for(scene: &Scene) -> f64 {
+/// For how long the first waves of loads that have begun lose no more than a part of their stress, s.
+fn steady_for(scene: &Scene, change: f64) -> f64 {
     let bar = &scene.bar;
     let last = bar.segments.len() - 1;
     let of_end = |(end, segment, side): (&EndCondition, usize, usize)| {
-        LoadedEnd { at: &bar.segments[segment], side, is_fresh: !bar.has_initial_state() }.steady_under(end)
+        LoadedEnd { at: &bar.segments[segment], side, is_fresh: !bar.has_initial_state() }.steady_under(end, change)
     };
     [(&scene.left, 0, 0), (&scene.right, last, 1)].into_iter().map(of_end).fold(f64::INFINITY, f64::min)
 }
@@ -122,14 +145,15 @@ struct LoadedEnd<'a> {
 }
 
 impl LoadedEnd<'_> {
-    /// For how long the first wave of its load hardly changes, s.
-    fn steady_under(&self, end: &EndCondition) -> f64 {
+    /// For how long the first wave of its load loses no more than this part of its stress, s.
+    fn steady_under(&self, end: &EndCondition, change: f64) -> f64 {
         let at = self.at;
+        let needed = |stress: f64, sense: Sense| (1.0 - change) * self.arrives(stress, sense);
         let inward = [1.0, -1.0][self.side];
         let impedance = at.material.impedance();
-        let behind = |change: f64| {
-            let sense = Sense::of(-inward * change);
-            (fan_at_velocity(at.material.branch(sense), at.material.density, change.abs()).stress, sense)
+        let behind = |jump: f64| {
+            let sense = Sense::of(-inward * jump);
+            (fan_at_velocity(at.material.branch(sense), at.material.density, jump.abs()).stress, sense)
         };
         let holds = |history: &History, rest: f64, allowed: &dyn Fn(f64) -> f64| {
             let begins = history.begins(rest);
@@ -139,24 +163,24 @@ impl LoadedEnd<'_> {
         match end {
             EndCondition::Velocity { history, .. } => holds(history, at.velocity, &|velocity| {
                 let (stress, sense) = behind(velocity - at.velocity);
-                (stress - self.needed(stress, sense)) / impedance
+                (stress - needed(stress, sense)) / impedance
             }),
             EndCondition::Stress { history } => {
-                holds(history, 0.0, &|stress| stress.abs() - self.needed(stress.abs(), Sense::of(stress)))
+                holds(history, 0.0, &|stress| stress.abs() - needed(stress.abs(), Sense::of(stress)))
             }
             EndCondition::Striker { mass, velocity } => {
                 let (stress, sense) = behind(velocity - at.velocity);
-                mass / (impedance * at.end_areas()[self.side]) * (stress / self.needed(stress, sense)).ln()
+                mass / (impedance * at.end_areas()[self.side]) * (stress / needed(stress, sense)).ln()
             }
             _ => f64::INFINITY,
         }
     }
 
-    /// Stress (Pa) that the end needs of this one for its first wave to hold. That of a load beyond yield has the yield stress: what unloads the bar is
-    /// used up by the plastic fronts behind it, as long as there are any.
-    fn needed(&self, stress: f64, sense: Sense) -> f64 {
+    /// Stress (Pa) of the first wave of a load with this one. That of a load beyond yield has the yield stress: what unloads the bar is used up by the
+    /// plastic fronts behind it, as long as there are any.
+    fn arrives(&self, stress: f64, sense: Sense) -> f64 {
         let yields = if self.is_fresh { super::yield_stress(&self.at.material, sense) } else { f64::INFINITY };
-        (1.0 - STEADY) * stress.min(yields)
+        stress.min(yields)
     }
 }
 
@@ -221,7 +245,7 @@ pub(super) fn with_later(
     // Where a load started without its fan the first cells are not in the state that front tracking gives them.
     let mut missed = Vec::new();
     let rises = Rises::new(scene, grid.dt);
-    for fans in later.chunk_by(|a, b| a.origin == b.origin && a.from == b.from) {
+    for fans in later.chunk_by(together) {
         let here = |fan: &InitialFan| fan.origin == fans[0].origin;
         if missed.contains(&fans[0].origin) {
             continue;
@@ -259,7 +283,6 @@ pub(super) fn until_changes_come(first: Vec<InitialFan>, scene: &Scene, (grid, l
     let undisturbed = undisturbed_until(&stepped.bar);
     let latest = undisturbed.iter().copied().fold(0.0, f64::max).min(scene.solve.until);
     let tracked = tracked(&in_halves(&stepped), grid.dt, latest);
-    let together = |a: &InitialFan, b: &InitialFan| a.origin == b.origin && a.from == b.from;
     let whole = tracked.chunk_by(together).filter_map(|fans| in_whole_segments(fans, &stepped.bar)).flatten();
     let rises = Rises::new(&stepped, grid.dt);
     let jumps = |fan: &InitialFan| fan.from == 0.0 && rises.until(fan.origin, 0.0).is_none();
@@ -469,9 +492,19 @@ fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Op
     let part = if driver == Driver::Stress { UNDER_STRESS } else { 1.0 };
     let lasts = |fan: &InitialFan| {
         let held = held(&InitialFan { driver, ..fan.clone() }, scene);
-        InitialFan { from, holds_until: in_parts(part * held.holds_until / grid.dt) * grid.dt, ..held }
+        let holds_until = (part * held.holds_until).min(held.meets_plastic_at - spread(fan, grid));
+        InitialFan { from, holds_until: in_parts(holds_until.max(0.0) / grid.dt) * grid.dt, ..held }
     };
     Some(fans.iter().map(lasts).collect())
+}
+
+/// Cells over which grids spread a plastic front.
+const SPREAD: f64 = 7.0;
+
+/// Time (s) from when a plastic front of a fan touches one that comes towards it to when they meet.
+fn spread(fan: &InitialFan, grid: &Grid) -> f64 {
+    let slowest = fan.fan.edges.last().map_or(f64::INFINITY, |edge| edge.speed);
+    0.5 * SPREAD * grid.segments[fan.segment].dx / slowest
 }
 
 /// Front tracking follows the laws of this scene exactly.

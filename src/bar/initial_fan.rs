@@ -101,6 +101,8 @@ pub struct InitialFan {
     /// Time up to which what drives it stays as it is at t = 0, s: 0 where it grows from nothing. A striker is slowed down; it counts as
     /// steady while that changes the force by less than 2 %. Of fans that start on a grid: or up to which it only lessens, see [`InitialFan::held_by`].
     pub holds_until: f64,
+    /// When one of its plastic fronts meets another plastic front, s; infinite where that is not known.
+    pub meets_plastic_at: f64,
     /// What drives it.
     pub driver: Driver,
     /// Nothing else sends waves into the bar until this fan meets a joint or the other end.
@@ -155,6 +157,7 @@ impl InitialFan {
             yields_after: f64::INFINITY,
             loads_until: f64::INFINITY,
             holds_until: f64::INFINITY,
+            meets_plastic_at: f64::INFINITY,
             driver: Driver::Velocity,
             alone: false,
             uniform_for: f64::INFINITY,
@@ -241,7 +244,7 @@ impl InitialFan {
     }
 
     /// Part of what drives it that its end can lose before its fronts are used up.
-    fn can_lose(&self, c0: f64) -> f64 {
+    pub fn can_lose(&self, c0: f64) -> f64 {
         let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
         let size = |edge: &Edge| match self.driver {
             Driver::Stress => edge.stress_behind - edge.stress_ahead,
@@ -256,6 +259,18 @@ impl InitialFan {
             _ => (squared - squared_slow) / (squared + squared_slow),
         };
         FOLLOWED * (plastic.map(size).sum::<f64>() / (arrives * self.fan.edges.iter().map(size).sum::<f64>())).min(1.0)
+    }
+
+    /// The same, started by an elastic wave that lessens for a time (s), in which this part of it goes.
+    #[must_use]
+    pub fn fading(self, part: f64, time: f64) -> Self {
+        Self { holds_until: self.holds_until.min(time), lessens_from: 0.0, fades: part / time, ..self }
+    }
+
+    /// Part of its change of velocity that its plastic fronts bring, where elastic waves travel with `c0`, m/s.
+    pub fn plastic_part(&self, c0: f64) -> f64 {
+        let plastic = self.fan.edges.iter().filter(|edge| !edge.is_elastic(c0));
+        plastic.map(Edge::velocity_jump).sum::<f64>() / self.fan.velocity
     }
 
     /// It starts at the same place before another one, and what drives it holds for some time.

@@ -60,7 +60,7 @@ impl Ledger {
         let missing = relative(now.energies.momentum - self.start.momentum - impulse, self.momentum_scale);
         self.worst_energy = self.worst_energy.max(residual.abs());
         self.worst_momentum = self.worst_momentum.max(missing.abs());
-        self.most_given = self.most_given.max(relative(-now.energies.numerical, self.supplied));
+        self.most_given = self.most_given.max(-now.energies.numerical);
         LedgerRow {
             time: bar.time(),
             energies: Energies { momentum: self.arm * now.energies.momentum, ..now.energies },
@@ -76,9 +76,10 @@ impl Ledger {
         self.worst_energy
     }
 
-    /// Most energy that the method itself has given to the bar so far, as a part of what it was supplied with; 0 where it only took some.
+    /// Most energy that the method itself has given to the bar so far, as a part of what it has been supplied with until now: while a load starts, both are
+    /// small. 0 where the method only took some.
     pub fn most_given(&self) -> f64 {
-        self.most_given
+        relative(self.most_given, self.supplied)
     }
 
     /// Largest relative momentum residual so far.
@@ -108,8 +109,8 @@ mod tests {
     use crate::record::Field;
     use crate::solver::EndState;
 
-    /// A bar that starts with 1 J and holds what the test says.
-    struct Bar(Energies);
+    /// A bar that starts with 1 J, and holds and has been given from the left what the test says, J.
+    struct Bar(Energies, f64);
 
     impl View for Bar {
         type Places = ();
@@ -131,19 +132,24 @@ mod tests {
         }
 
         fn account(&self) -> Account {
-            Account { energies: self.0, ..Account::default() }
+            Account { energies: self.0, work: [self.1, 0.0], ..Account::default() }
         }
     }
 
     /// The scale of what a method added is what the bar was supplied with, not what the columns hold of it.
     #[test]
     fn energy_from_the_method_is_a_part_of_what_the_bar_was_supplied_with() {
-        let mut bar = Bar(Energies { kinetic: 1.0, ..Energies::default() });
+        let mut bar = Bar(Energies { kinetic: 1.0, ..Energies::default() }, 0.0);
         let mut ledger = Ledger::new(&bar);
         ledger.row(&bar);
         assert_eq!(ledger.most_given(), 0.0);
         bar.0 = Energies { elastic: 90.0, half_step: -84.0, numerical: -5.0, ..Energies::default() };
         assert_eq!(ledger.row(&bar).residual, 0.0);
         assert_eq!(ledger.most_given(), 5.0);
+        // What it gave at the start is little beside what is supplied in the end.
+        bar.0 = Energies { elastic: 96.0, half_step: -92.0, ..Energies::default() };
+        bar.1 = 500.0;
+        ledger.row(&bar);
+        assert_eq!(ledger.most_given(), 0.01);
     }
 }

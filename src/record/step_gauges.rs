@@ -22,6 +22,8 @@ pub struct StepGauges {
     /// Crossings up to this time are in the rows, s.
     done: f64,
     held_back: f64,
+    /// Front segments that have ended since, with what they do just then.
+    ended: Vec<FrontSegment>,
 }
 
 /// One place. It sees the state just right of it; at the right end of the bar, just left.
@@ -67,7 +69,7 @@ impl StepGauges {
     pub fn new(bar: &Bar, places: &[f64], until: f64) -> Self {
         let heat = bar.segments.iter().any(|s| s.material.heating.is_some());
         let gauges = places.iter().map(|&x| StepGauge::new(bar, x, heat)).collect();
-        Self { gauges, heat, done: f64::NEG_INFINITY, held_back: HELD_BACK * until }
+        Self { gauges, heat, done: f64::NEG_INFINITY, held_back: HELD_BACK * until, ended: Vec::new() }
     }
 
     /// Takes in what passed since the last call; `ended` are the front segments that ended since then.
@@ -89,7 +91,8 @@ impl StepGauges {
         if self.gauges.is_empty() {
             return;
         }
-        for piece in ended.iter().copied().chain(bar.living_front_segments()) {
+        self.ended.extend(ended);
+        for piece in self.ended.iter().copied().chain(bar.living_front_segments()) {
             let medium = bar.medium(piece.segment);
             for gauge in &mut self.gauges {
                 let new = |c: &Crossing| self.done < c.time && c.time <= until;
@@ -100,6 +103,7 @@ impl StepGauges {
             }
         }
         self.done = until;
+        self.ended.retain(|piece| piece.t[1] > until);
         if until >= 0.0 {
             self.gauges.iter_mut().for_each(StepGauge::add_rows);
         }

@@ -157,7 +157,7 @@ fn speeds(drawing: &mut Drawing, place: Area, lines: &[Line], unit: Scale) {
     let series: Vec<Series> = lines.iter().map(stairs).collect();
     let axes = [
         from_zero(STRAIN, largest(&series, |p| p.0)),
-        Axis::logarithmic(&format!("front speed ({})", unit.symbol), SLOWEST * fastest, 1.4 * fastest),
+        Axis::logarithmic(format!("front speed ({})", unit.symbol), SLOWEST * fastest, 1.4 * fastest),
     ];
     panel(drawing, place, "(b)  plastic wave speed", axes, &series, &numbers(lines));
 }

@@ -17,7 +17,7 @@ use crate::record::{
     self, Audit, AuditRow, ElasticProbe, EndState, EndSummary, ErrorFigure, Extreme, Fragments, Frames, FrontTracker,
     JointRows, Ledger, LedgerSummary, ResidualProfile, SegmentEnd, Stepped, Summary, Traces,
 };
-use crate::scene::Rate;
+use crate::scene::{Method, Rate};
 use crate::simulate::{Interval, Simulation, simulate};
 use crate::snapshot::Snapshot;
 use crate::solver::fd::{Quantity, Sampling, SegmentGrid};
@@ -315,9 +315,14 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             reason: format!("the numerical method added energy to the bar: {:.0} % of the total", 100.0 * given),
             time: self.bar.time(),
             x: None,
-            help: "this scheme cannot simulate a level or falling part of the curve; use scheme = \"leapfrog\" or method = \
-                   \"moc\""
-                .to_owned(),
+            help: match self.recorder.scene.solve.method {
+                Method::Leapfrog { .. } => "use more cells, or method = \"moc\"",
+                _ => {
+                    "this scheme cannot simulate a level or falling part of the curve; use scheme = \"leapfrog\" or method = \
+                     \"moc\""
+                }
+            }
+            .to_owned(),
         }
         .into())
     }

@@ -247,9 +247,19 @@ impl StartingFan {
 
     /// How far its fronts, as spread over ramps, get within `time` (s) of its start, m.
     pub fn reach(&self, time: f64) -> f64 {
+        self.reach_of(&self.fronts, time)
+    }
+
+    /// How far it is imposed then. Where a wave starts it, up to its plastic fronts: that wave may change behind its own, and schemes follow elastic fronts by
+    /// themselves. 0 where there is none.
+    pub fn imposed_reach(&self, time: f64) -> f64 {
+        self.reach_of(self.fronts.iter().filter(|front| !(self.by_wave && front.elastic)), time)
+    }
+
+    fn reach_of<'a>(&self, fronts: impl IntoIterator<Item = &'a Front>, time: f64) -> f64 {
         let spread = |front: &Front| if front.elastic { 0.0 } else { 0.5 * self.ramp };
         let front = |front: &Front| front.speed * (time - front.delay).max(0.0) + spread(front);
-        self.fronts.iter().map(front).fold(0.0, f64::max)
+        fronts.into_iter().map(front).fold(0.0, f64::max)
     }
 
     /// +1 where it runs in +x, -1 in -x.
@@ -305,6 +315,44 @@ impl StartingFan {
         self.end_before_it_yields(step, time);
     }
 
+    /// The wave that starts both fans of its joint changes behind its front.
+    pub fn follows_wave(&self) -> bool {
+        self.at_joint && self.by_wave && self.unloading.is_some()
+    }
+
+    /// None of its fronts is plastic.
+    pub fn stays_elastic(&self) -> bool {
+        self.fronts.iter().all(|front| front.elastic)
+    }
+
+    /// Stress (Pa) of the waves that come to its origin, where the bar has this stress (Pa) and velocity (m/s).
+    fn arriving(&self, [stress, velocity]: [f64; 2]) -> f64 {
+        0.5 * (stress + self.direction() * self.impedance * velocity)
+    }
+
+    /// Takes both fans of a joint, that of the left side first, on to the step from `time` (s after their start) on, as far as the wave that starts them has changed.
+    /// It comes through the one that stays elastic: `beside` are its stress (Pa) and velocity (m/s) at the joint on both sides. Sections in m^2.
+    pub fn follow_wave(
+        fans: [&mut Self; 2],
+        step: usize,
+        [time, dt]: [f64; 2],
+        beside: [[f64; 2]; 2],
+        areas: [f64; 2],
+    ) {
+        let through = usize::from(!fans[0].stays_elastic());
+        let (elastic, plastic, areas) = (&fans[through], &fans[1 - through], [areas[through], areas[1 - through]]);
+        let middle = time + 0.5 * dt;
+        let (inward, behind) = (plastic.direction(), plastic.velocity_behind);
+        let [stress, impedance] = plastic.answer(middle);
+        // Both have one force: twice that of the wave less what moves along, and what is behind the plastic fronts.
+        let force =
+            areas[1] * (stress + inward * impedance * behind) - 2.0 * areas[0] * elastic.arriving(beside[through]);
+        let velocity = inward * force / (areas[1] * impedance + areas[0] * elastic.impedance);
+        for fan in fans {
+            fan.lose(step, middle, velocity);
+        }
+    }
+
     /// A loss of velocity (m/s) or none: what rounding adds is no loss.
     fn loss(&self, lost: f64) -> f64 {
         let jump = self.velocity_behind - self.velocity_ahead();
@@ -322,7 +370,7 @@ impl StartingFan {
 
     /// It ends with this step as soon as its end has lost most of the stress after which the bar yields the other way.
     fn end_before_it_yields(&mut self, step: usize, time: f64) {
-        if self.lost(0.0, time)[1].abs() > MOST_LOST * self.yields_after {
+        if !self.stays_elastic() && self.lost(0.0, time)[1].abs() > MOST_LOST * self.yields_after {
             self.end_after(step);
         }
     }

@@ -1,6 +1,7 @@
 //! Units of the pages of all runs.
 
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 use std::path::Path;
 
 use barwave::units::{Dimension, System, scale_for};
@@ -124,7 +125,8 @@ fn inverted_curves_have_the_units_asked_for() {
     let mut table = String::from("x_mm,strain,time_us\n");
     for x in [50, 100, 200] {
         for (strain, speed) in [(0.01, 1000.0), (0.05, 500.0), (0.1, 300.0)] {
-            table += &format!("{x},{strain},{}\n", 1e3 * f64::from(x) / speed);
+            // Writing to a String cannot fail.
+            let _ = writeln!(table, "{x},{strain},{}", 1e3 * f64::from(x) / speed);
         }
     }
     std::fs::write(folder.path().join("t.csv"), table).expect("a file");

@@ -3,12 +3,16 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use serde_json::Value;
+
 use barwave::assemble;
 use barwave::record::store::{Gauge, ResultFile, Side};
 use barwave::record::{Field, Trace};
 use barwave::run::{self};
 use barwave::scene::Scene;
 use barwave::solver::moc::{FrontTracking, Settings};
+
+use crate::common::binary;
 
 /// s. Later, fronts that run at incommensurate speeds meet by the million.
 const UNTIL: f64 = 300e-6;
@@ -255,5 +259,31 @@ fn an_elastic_bar_dissipates_nothing_and_nothing_below_zero() {
         let dissipated = [all.plastic, all.heat, all.viscoplastic, all.concentrated, all.fracture];
         let least = dissipated.into_iter().fold(f64::INFINITY, f64::min);
         assert!(least == 0.0, "{least:e} J at {} s", row.time);
+    }
+}
+
+/// A look at just the moment in which a front came to a gauge lost it: the gauge, and the figures of a joint there, stayed at zero.
+#[test]
+fn a_front_that_comes_to_a_gauge_as_the_run_is_looked_at_is_seen() {
+    let half = "[[bar.segment]]\nlength = 0.1\narea = 1e-4\nmaterial = { density = 8000, modulus = 200e9, beyond = \"extend\", \
+                curve = { table = [[0, 0], [0.003, 600e6]] } }\n";
+    let stress = -40e6;
+    for (left, right) in
+        [("kind = \"free\"", "kind = \"velocity\"\nvalue = -1"), ("kind = \"velocity\"\nvalue = 1", "kind = \"free\"")]
+    {
+        for until in [35, 41, 45] {
+            let text = format!(
+                "{half}{half}[left]\n{left}\n[right]\n{right}\n[solve]\nuntil = \"{until} us\"\nmethod = \"moc\"\n[record]\ngauges = {{ here = 0.1 }}\n"
+            );
+            let folder = tempfile::tempdir().expect("a folder");
+            std::fs::write(folder.path().join("scene.toml"), text).expect("a folder to write to");
+            let summary = binary::json(folder.path(), &["run", "scene.toml", "--json"]);
+            let number = |pointer: &str| summary.pointer(pointer).and_then(Value::as_f64).expect("a number");
+            assert!((number("/figures/gauges/here/peak_stress_Pa") / stress - 1.0).abs() < 1e-9, "{until}: {summary}");
+            assert!(
+                (number("/figures/joints/1/peak_force_N") / (1e-4 * stress) - 1.0).abs() < 1e-9,
+                "{until}: {summary}"
+            );
+        }
     }
 }

@@ -195,7 +195,7 @@ pub(super) fn micro(strain: f64) -> String {
 
 /// Warnings as lines.
 pub(super) fn warnings(all: &[String], units: System) -> String {
-    all.iter().map(|warning| format!("warning: {}\n", in_units(warning, units))).collect()
+    all.iter().flat_map(|warning| ["warning: ".to_owned(), in_units(warning, units), "\n".to_owned()]).collect()
 }
 
 /// Rows of a curve shown to people; JSON and CSV have all.

@@ -18,7 +18,7 @@ use crate::record::PathRow;
 use crate::snapshot::{pack, unpack};
 
 /// Version of the file's layout and of every state in it.
-const VERSION: u32 = 22;
+const VERSION: u32 = 23;
 
 /// How the first line starts.
 const START: &str = "barwave checkpoint ";

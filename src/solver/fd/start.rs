@@ -15,6 +15,7 @@
 //!
 //! What all this takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
 
+use super::edge::{beside, last};
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
 use crate::bar::{Driver, EndCondition, InitialFan, Origin, SuddenLoads};
@@ -173,7 +174,7 @@ impl Leapfrog {
             }
             fan.placed -= fan.slowed(middle) * dt;
         }
-        let Imposed { mut impulse, mut energy, .. } = self.impose(fan, 0.0);
+        let Imposed { mut impulse, mut energy, .. } = self.impose(fan, 0.0, false);
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
         let by_ball = fan.driver == Driver::Stress && end.has_body();
         if fan.driver == Driver::Stress {
@@ -226,19 +227,39 @@ impl Leapfrog {
         self.lost_to_fans += lost * (1.0 - in_shocks / taken);
     }
 
-    fn impose_at_joint(&mut self, left: &mut StartingFan, right: &StartingFan) {
-        let made = self.impose_on_both(left, right, 0.0);
+    fn impose_at_joint(&mut self, left: &mut StartingFan, right: &mut StartingFan) {
+        if left.follows_wave() && !left.begins_at(self.step) {
+            self.follow_wave(left, right);
+        }
+        let ends = left.ends_at(self.step);
+        let made = self.impose_on_both(left, right, 0.0, ends);
         let owed = left.owe(self.step, made.impulse);
-        if left.ends_at(self.step) {
-            self.impose_on_both(left, right, -owed / made.mass);
+        if ends {
+            self.impose_on_both(left, right, -owed / made.mass, ends);
         }
     }
 
-    /// Imposes the fans on a joint and on the nodes on both sides, faster by `shift` (m/s) at the joint.
-    fn impose_on_both(&mut self, left: &StartingFan, right: &StartingFan, shift: f64) -> Imposed {
+    /// Lets the fans of a joint lose what the wave that starts them has lost.
+    fn follow_wave(&mut self, left: &mut StartingFan, right: &mut StartingFan) {
+        let Some(k) = self.blocks.iter().position(|block| block.segment == right.segment) else { return };
+        let (time, dt) = (self.time() - left.from, self.grid.dt);
+        for block in &mut self.blocks[k - 1..=k] {
+            block.stop_travelling(self.constants[block.segment].velocity_gain);
+        }
+        let pair = &self.blocks[k - 1..=k];
+        // The joint moved like this half a step before the time of the stresses: the mean of what arrives then and half a step after it.
+        let before = left.velocity_at_origin(time - dt, dt);
+        let stresses = [last(&pair[0].sigma), pair[1].sigma[0]];
+        let [_, areas, _] = beside(pair, &self.constants, dt);
+        StartingFan::follow_wave([left, right], self.step, [time, dt], stresses.map(|stress| [stress, before]), areas);
+    }
+
+    /// Imposes the fans on a joint and on the nodes on both sides, faster by `shift` (m/s) at the joint, as far as `all` fronts have come or else as
+    /// they are imposed.
+    fn impose_on_both(&mut self, left: &StartingFan, right: &StartingFan, shift: f64, all: bool) -> Imposed {
         let mut made = self.impose_on_joint([left, right], shift);
         for fan in [left, right] {
-            made.add(self.impose(fan, shift));
+            made.add(self.impose(fan, shift, all));
         }
         self.note_lost(-made.energy);
         made
@@ -272,14 +293,20 @@ impl Leapfrog {
         imposed
     }
 
-    /// Impulse and energy that the nodes inside a fan get, faster by `shift` (m/s) at its origin and by less and less from there on.
-    fn impose(&mut self, fan: &StartingFan, shift: f64) -> Imposed {
+    /// Impulse and energy that the nodes inside a fan get, faster by `shift` (m/s) at its origin and by less and less from there on, as far as `all` its
+    /// fronts have come or else as it is imposed.
+    fn impose(&mut self, fan: &StartingFan, shift: f64, all: bool) -> Imposed {
         let (time, dt) = (self.time() - fan.from, self.grid.dt);
         let (c, part) = (self.constants[fan.segment], &self.grid.segments[fan.segment]);
-        let reach = fan.reach(time + dt);
+        let imposed_reach = fan.imposed_reach(time + dt);
+        let reach = if all { fan.reach(time + dt) } else { imposed_reach };
+        if reach == 0.0 {
+            return Imposed::default();
+        }
         let weight = |distance: f64| (1.0 - distance / (reach + AHEAD as f64 * part.dx)).max(0.0);
+        let is_free = |distance: f64| fan.only_origin || distance >= imposed_reach + AHEAD as f64 * part.dx;
         let change = |distance: f64, velocity: f64| {
-            let fans = if fan.only_origin { 0.0 } else { fan.means(distance, time, dt)[0] - velocity };
+            let fans = if is_free(distance) { 0.0 } else { fan.means(distance, time, dt)[0] - velocity };
             fans + shift * weight(distance)
         };
         let end_node = if fan.side == 0 { part.cells.start } else { part.cells.end };

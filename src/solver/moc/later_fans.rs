@@ -100,7 +100,10 @@ impl FrontTracking {
                 leaving.iter().filter(|front| front.segment == segment).copied().collect();
             here.sort_by(|a, b| speed(b).total_cmp(&speed(a)));
             let fan = self.fan(&here)?;
-            Some(InitialFan { origin, direction, wave_through: through, holds_until: until - fan.from, ..fan })
+            let meets_plastic_at =
+                here.iter().filter_map(|front| self.meets_plastic(front, fronts)).fold(f64::INFINITY, f64::min);
+            let (holds_until, meets_plastic_at) = (until - fan.from, meets_plastic_at - fan.from);
+            Some(InitialFan { origin, direction, wave_through: through, holds_until, meets_plastic_at, ..fan })
         };
         let mut fans: Vec<InitialFan> = sides.map(fan).collect::<Option<_>>().unwrap_or_default();
         let above_critical = self.is_above_critical(&fans);
@@ -108,6 +111,19 @@ impl FrontTracking {
             fan.fan.above_critical = above_critical;
         }
         fans
+    }
+
+    /// When a plastic front meets another one that comes towards it, s.
+    fn meets_plastic(&self, front: &FrontSegment, fronts: &[FrontSegment]) -> Option<f64> {
+        let meets = |other: &&FrontSegment| {
+            other.segment == front.segment
+                && other.t[1] == front.t[1]
+                && other.x[1] == front.x[1]
+                && (other.x[0] - other.x[1]) * (front.x[0] - front.x[1]) < 0.0
+                && !self.is_elastic(other)
+        };
+        (!self.is_elastic(front) && front.t[1] < self.now && fronts.iter().any(|other| meets(&other)))
+            .then_some(front.t[1])
     }
 
     fn origin(&self, place: usize) -> Origin {

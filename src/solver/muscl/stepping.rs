@@ -206,19 +206,38 @@ impl Muscl {
     fn update_joints(&mut self) {
         let dt = self.grid.dt;
         for (k, joint) in self.joints.iter_mut().enumerate() {
-            let behind = |segment: usize, side: usize| {
-                let here = |fan: &&StartingFan| fan.at_joint && fan.segment == segment && fan.side == side;
-                let fan = self.fans.iter().filter(here).find(|fan| fan.is_imposed_at(self.step))?;
-                // On the grid the faces may have met within the step before.
-                let starts = fan.starts_within(self.step, dt).filter(|_| joint.is_apart());
-                let [velocity, stress] = starts.unwrap_or([fan.velocity_behind, fan.stress]);
-                Some(Flux { stress, velocity })
-            };
-            let known = behind(k, 1).zip(behind(k + 1, 0)).map(|(left, right)| [left, right]);
             let (left, right) = (&self.blocks[joint.edge], &self.blocks[joint.edge + 1]);
             let parts = [&self.parts[left.part], &self.parts[right.part]];
             let near = [(left, parts[0], 1), (right, parts[1], 0)]
                 .map(|(block, part, side)| face::near(block, part, side, &mut self.state, &mut self.work));
+            let step = self.step;
+            let beside = |fan: &&mut StartingFan| {
+                fan.at_joint && fan.is_imposed_at(step) && [(k, 1), (k + 1, 0)].contains(&(fan.segment, fan.side))
+            };
+            let mut fans: Vec<&mut StartingFan> = self.fans.iter_mut().filter(beside).collect();
+            if let [left, right] = &mut fans[..]
+                && left.follows_wave()
+                && !left.begins_at(step)
+            {
+                let states = near.each_ref().map(|near| [near.point.stress, near.point.velocity]);
+                let time = step as f64 * dt - left.from;
+                StartingFan::follow_wave([left, right], step, [time, dt], states, parts.map(|part| part.area));
+            }
+            let behind = |fan: &&mut StartingFan| {
+                // On the grid the faces may have met within the step before.
+                let starts = fan.starts_within(step, dt).filter(|_| joint.is_apart());
+                let time = (step as f64 * dt - fan.from).max(0.0);
+                let [velocity, stress] = starts.unwrap_or_else(|| fan.means(0.0, time, dt));
+                Flux { stress, velocity }
+            };
+            let known = <[_; 2]>::try_from(fans).ok().map(|fans| {
+                let mut fluxes = fans.each_ref().map(behind);
+                // What comes through this side is not known from its fan; both have one force.
+                if let Some(side) = fans.iter().position(|fan| fan.follows_wave() && fan.stays_elastic()) {
+                    fluxes[side].stress = fluxes[1 - side].stress * parts[1 - side].area / parts[side].area;
+                }
+                fluxes
+            });
             let [from_left, from_right] = joint.step_flux(dt, parts, &near, known, &mut self.work);
             self.blocks[joint.edge].outer[1] = Some(from_left);
             self.blocks[joint.edge + 1].outer[0] = Some(from_right);
@@ -231,7 +250,8 @@ impl Muscl {
         for fan in self.fans.iter().filter(|fan| fan.is_imposed_at(self.step)) {
             let (part, time) = (&self.grid.segments[fan.segment], self.step as f64 * dt - fan.from);
             let origin = if fan.side == 0 { part.cells.start } else { part.cells.end };
-            let faces = ((fan.reach(time + dt) / part.dx).ceil() as usize).min(fan.nodes).min(part.cells.len() - 1);
+            let faces =
+                ((fan.imposed_reach(time + dt) / part.dx).ceil() as usize).min(fan.nodes).min(part.cells.len() - 1);
             for block in self.blocks.iter_mut().filter(|block| block.part == fan.segment) {
                 let Range { start, end } = block.cells;
                 let inside = if fan.side == 0 {

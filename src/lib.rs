@@ -92,8 +92,9 @@
 //!             [striker]\nradius = '10 mm'\nmaterial = 'mild-steel'\npoisson = 0.3\nvelocity = '1 m/s'\n";
 //! if let Problem::Impact(scene) = Problem::parse("spheres.toml", text, Path::new(""), &[])? {
 //!     let summary = run::run_impact(&scene, None, &mut |_| ControlFlow::Continue(()))?;
-//!     println!("peak force {:.0} N", summary.solution.figure("peak_force"));
-//!     # assert!(summary.solution.figure("peak_force") > 900.0);
+//!     let force = summary.solution.figure("peak_force").expect("a figure");
+//!     println!("peak force {force:.0} N");
+//!     # assert!(force > 900.0);
 //! }
 //! # Ok::<(), barwave::error::Error>(())
 //! ```

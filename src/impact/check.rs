@@ -3,10 +3,16 @@
 use super::solid::{Elastic, Solid};
 use crate::error::InputError;
 use crate::input::{Allowed, Checked, member, positive, positive_or_infinite};
+use crate::typed::{Range, Within};
 use crate::units::Dimension;
 
-/// Tolerances of an integration.
-pub(super) const TOLERANCES: Allowed = Allowed::Between(0.0, 1.0);
+/// Tolerances of an integration, 1e-12 to 0.01, in scenes and in programs: smaller ones are below round-off.
+pub(crate) type Tolerances = Within<1, 10_000_000_000, 1_000_000_000_000>;
+
+/// The tolerance of an integration.
+pub(super) fn tolerance(value: f64) -> Checked {
+    member("tolerance", value, Dimension::None, Tolerances::ALLOWED)
+}
 
 /// Velocities (m/s) with which a striker meets another body, in the member of this name.
 pub(super) fn meet(name: &str, striker: f64, struck: f64) -> Checked {

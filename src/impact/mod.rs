@@ -20,6 +20,7 @@ use std::ops::ControlFlow;
 
 pub(crate) use beam::buckling;
 pub use beam::{Beam, Face, Foundation, Section};
+pub(crate) use check::Tolerances;
 pub use contact::{Contact, History, Horizon, Moment, System, Touch};
 pub use ellipse::Ellipse;
 pub use oscillator::Oscillator;
@@ -46,7 +47,7 @@ pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 /// let ball = Solid { radius: 0.005, mass: 0.0041, velocity: 0.5, elastic: steel };
 /// let plate = Plate { thickness: 0.01, elastic: steel, striker: ball, tolerance: 1e-8, until: None };
 /// let solution = plate.solve(&mut |_| ControlFlow::Continue(()))?;
-/// println!("restitution {:.3}", solution.figure("restitution"));
+/// println!("restitution {:.3}", solution.figure("restitution").expect("it rebounds"));
 /// assert!(Plate { thickness: 0.0, ..plate }.solve(&mut |_| ControlFlow::Continue(())).is_err());
 /// # Ok::<(), barwave::error::Error>(())
 /// ```
@@ -114,7 +115,7 @@ fn account(solution: &mut Solution, ledger: &Table, history: &History) {
             .warnings
             .push(std::format!("interrupted {time} after the first contact: results for the whole impact are missing"));
     }
-    let residual = ledger.column("residual").iter().fold(0.0, |most: f64, r| most.max(r.abs()));
+    let residual = ledger.own("residual").iter().fold(0.0, |most: f64, r| most.max(r.abs()));
     let long_name = "largest residual of the energy ledger, relative to the energy at the start";
     solution.figures.push(Figure::new("energy_residual", Dimension::None, long_name, residual));
     solution.figures.push(Figure::count("steps", "time steps", history.steps));

@@ -108,9 +108,14 @@ impl Table {
         self.columns.iter_mut().zip(row).for_each(|(column, value)| column.values.push(*value));
     }
 
-    /// The column of this name; empty where there is none.
-    pub fn column(&self, name: &str) -> &[f64] {
-        self.columns.iter().find(|column| column.name == name).map_or(&[], |column| &column.values)
+    /// The column of this name.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.iter().find(|column| column.name == name).map(|column| &column.values[..])
+    }
+
+    /// The same of a table that has it.
+    pub(super) fn own(&self, name: &str) -> &[f64] {
+        self.column(name).unwrap_or_default()
     }
 }
 
@@ -209,9 +214,10 @@ impl Solution {
         self.outcome == Self::INTERRUPTED
     }
 
-    /// A figure by its name; NaN where there is none.
-    pub fn figure(&self, name: &str) -> f64 {
-        self.figures.iter().find(|figure| figure.name == name).map_or(f64::NAN, |figure| figure.value)
+    /// A figure by its name, as in the result file (`peak_force`) or as in the summary (`peak_force_N`); none where it has no value.
+    pub fn figure(&self, name: &str) -> Option<f64> {
+        let found = self.figures.iter().find(|figure| figure.name == name || figure.json_key() == name);
+        found.map(|figure| figure.value).filter(|value| !value.is_nan())
     }
 
     /// Adds a figure, with its line of the summary where it has a value.

@@ -109,7 +109,7 @@ pub fn impact_cost(scene: &ImpactScene, progress: &mut dyn FnMut(&str, f64) -> C
                 varied,
                 modes: numerics.modes,
                 tolerance: numerics.tolerance,
-                steps: solution.figure("contact_steps") as usize,
+                steps: solution.figure("contact_steps").unwrap_or_default() as usize,
                 error: difference(&solution, reference),
                 wall_s,
             });
@@ -145,11 +145,11 @@ fn timed(
 
 fn difference(solution: &Solution, reference: &Solution) -> f64 {
     let one = |name: &&str| {
-        let (value, exact) = (solution.figure(name), reference.figure(name));
+        let (value, exact) = solution.figure(name).zip(reference.figure(name))?;
         let scale = if *name == "restitution" { 1.0 } else { exact };
-        ((value - exact) / scale).abs()
+        Some(((value - exact) / scale).abs())
     };
-    COMPARED.iter().map(one).filter(|difference| difference.is_finite()).fold(0.0, f64::max)
+    COMPARED.iter().filter_map(one).filter(|difference| difference.is_finite()).fold(0.0, f64::max)
 }
 
 /// The least-squares slope of log error over log modes or steps, of points above the floor and in the range where the error falls.

@@ -37,7 +37,7 @@ impl Level {
     fn results(&self, velocity: f64) -> Vec<[f64; 2]> {
         let Some(first) = self.history.touches.first() else { return Vec::new() };
         let own = |value: f64| [value, value];
-        let last = self.observer.contact.column("striker_velocity").last().copied().unwrap_or(velocity);
+        let last = self.observer.contact.own("striker_velocity").last().copied().unwrap_or(velocity);
         let mut results = vec![own(first.peak_force), own(first.end), [last, velocity]];
         for reading in [0, 2] {
             let gauges = 0..self.observer.readings.len();
@@ -116,7 +116,7 @@ impl Beam {
         let Level { modes, history, observer } = level;
         let mut solution = self.approximation();
         self.contacts(&mut solution, &history);
-        let last = observer.contact.column("striker_velocity").last().copied().unwrap_or(self.striker.velocity);
+        let last = observer.contact.own("striker_velocity").last().copied().unwrap_or(self.striker.velocity);
         let figure = |name, dimension, long_name, value| Figure::new(name, dimension, long_name, value);
         let restitution = if history.separated { -last / self.striker.velocity } else { f64::NAN };
         let values = [(last, Velocity), (restitution, Plain)];
@@ -246,7 +246,7 @@ impl Beam {
     fn warn(&self, solution: &mut Solution, history: &History, error: Option<f64>) {
         if error.is_some_and(|error| error > self.tolerance) {
             solution.outcome = Solution::NOT_CONVERGED;
-            let modes = solution.figure("mode_count");
+            let modes = solution.figure("mode_count").unwrap_or_default();
             let warning = match history.touches.len() {
                 0 | 1 => format!("the tolerance is not reached with {modes} modes"),
                 contacts => format!(
@@ -262,7 +262,7 @@ impl Beam {
             solution.warnings.push(format!("sphere and beam {state} the end time"));
         }
         let [approximate, integrated] =
-            ["half_sine_restitution", "first_restitution"].map(|name| solution.figure(name));
+            ["half_sine_restitution", "first_restitution"].map(|name| solution.figure(name).unwrap_or(f64::NAN));
         let several = if history.touches.len() > 1 { "first " } else { "" };
         if (approximate - integrated).abs() > LARGEST_DIFFERENCE {
             solution.warnings.push(format!(

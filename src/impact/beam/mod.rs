@@ -8,7 +8,7 @@ mod shape;
 
 use std::f64::consts::PI;
 
-use super::check::TOLERANCES;
+use super::check::tolerance;
 use super::contact::{Horizon, System};
 use super::ellipse::Ellipse;
 use super::oscillator::Oscillator;
@@ -17,7 +17,7 @@ use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
 use crate::bar::Hertz;
 use crate::error::InputError;
-use crate::input::{Allowed, Checked, member, positive, positive_or_infinite};
+use crate::input::{Allowed, Checked, member, optional, positive, positive_or_infinite};
 use crate::units::Dimension::{self, Area, Drag, Force, Length, None as Plain, SecondMomentOfArea, Time, Viscosity};
 use crate::units::{self, System as Units};
 
@@ -101,14 +101,14 @@ pub struct Beam {
     pub at: f64,
     /// Gauges: name and place, m, within the beam.
     pub gauges: Vec<(String, f64)>,
-    /// Number of deflected shapes, evenly over time.
+    /// Number of deflected shapes, evenly over time, 0 to [`Beam::MOST_SHAPES`].
     pub shapes: usize,
     /// End, s, > 0; none: when the sphere has left for good, and not before one period of the lowest mode.
     pub until: Option<f64>,
-    /// Largest relative change of the results when modes are doubled and the step tolerance is divided by 4, 0 < . < 1; the modes follow
-    /// from it.
+    /// Largest relative change of the results when modes are doubled and the step tolerance is divided by 4, 1e-12 to 0.01; the
+    /// modes follow from it.
     pub tolerance: f64,
-    /// Number of modes, > 0, instead of that from the tolerance.
+    /// Number of modes, 1 to [`Beam::MOST_MODES`], instead of that from the tolerance.
     pub modes: Option<usize>,
 }
 
@@ -128,6 +128,11 @@ pub(crate) fn buckling(length: f64, bending: f64, modulus: f64) -> f64 {
 }
 
 impl Beam {
+    /// Most modes that can be asked for.
+    pub const MOST_MODES: usize = 10_000;
+    /// Most deflected shapes that can be asked for.
+    pub const MOST_SHAPES: usize = 1000;
+
     /// Half the beam's mass: the modal mass of every mode, kg.
     pub fn modal_mass(&self) -> f64 {
         0.5 * self.elastic.density * self.section.area * self.length
@@ -260,9 +265,10 @@ impl Problem for Beam {
             member(&format!("gauges.{name}"), *x, Length, Allowed::Within(0.0, self.length))
         };
         self.gauges.iter().try_for_each(within)?;
-        member("tolerance", self.tolerance, Plain, TOLERANCES)?;
+        tolerance(self.tolerance)?;
         self.until.map_or(Ok(()), |until| positive([("until", until, Time)]))?;
-        self.modes.map_or(Ok(()), |modes| positive([("modes", modes as f64, Plain)]))
+        member("shapes", self.shapes as f64, Plain, Allowed::Within(0.0, Self::MOST_SHAPES as f64))?;
+        optional("modes", self.modes.map(|modes| modes as f64), Plain, Allowed::Within(1.0, Self::MOST_MODES as f64))
     }
 
     fn planned(&self) -> Solution {

@@ -85,7 +85,7 @@ pub(super) fn columns(gauges: usize) -> usize {
 /// largest sample and its neighbours, where these are not farther than the finest steps of free flight. Zeros where it is in free flight, in which the
 /// motion between samples is known.
 fn vertex(table: &Table, column: &str, (force, finest): (&[f64], f64), sign: f64) -> [f64; 2] {
-    let (time, values) = (table.column("time"), table.column(column));
+    let (time, values) = (table.own("time"), table.own(column));
     // The first of equal samples.
     let larger = |a: usize, b: usize| if sign * values[b] > sign * values[a] { b } else { a };
     let Some(i) = (0..values.len()).reduce(larger).filter(|&i| sign * values[i] > 0.0 && force[i] > 0.0) else {
@@ -194,7 +194,7 @@ impl Observer {
     /// The reading of largest magnitude at a gauge, the first of equal ones; in contact, of the parabola through the largest row and its neighbours.
     pub fn largest(&self, gauge: usize, reading: usize) -> Peak {
         let mut peaks: Peaks = self.extremes.peaks[gauge][reading];
-        let contact = (self.contact.column("force"), self.finest);
+        let contact = (self.contact.own("force"), self.finest);
         for sign in [1.0, -1.0] {
             let [value, time] = vertex(&self.readings[gauge], READINGS[reading], contact, sign);
             peaks.note(value, time);

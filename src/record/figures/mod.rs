@@ -102,10 +102,10 @@ pub fn without_unit(key_of_figure: &str) -> &str {
 }
 
 impl Figures {
-    /// A figure by the path of its group and its name.
+    /// A figure by the path of its group and its name, with its unit (`peak_force_N`) or without.
     pub fn get(&self, path: &[&str], name: &str) -> Option<f64> {
         let group = self.0.iter().find(|group| group.path == path)?;
-        group.figures.iter().find(|figure| figure.name == name).map(|figure| figure.value)
+        group.figures.iter().find(|figure| figure.name == name || figure.key() == name).map(|figure| figure.value)
     }
 }
 

@@ -78,7 +78,7 @@ pub struct RawBeamSolve {
     #[schemars(default)]
     pub tolerance: Or<Tolerance, 1, 100_000>,
     /// Number of modes, instead of that from the tolerance.
-    pub modes: Option<Count<1, MOST_MODES>>,
+    pub modes: Option<Count<1, { Beam::MOST_MODES }>>,
     /// End time. Default: after the final separation, between 1 and 50 periods of the lowest mode, or between 1.5 and 100 Hertz contact times if these are longer.
     pub until: Option<Of<measures::Time, Positive>>,
 }
@@ -92,14 +92,11 @@ pub struct RawBeamRecord {
     pub gauges: Gauges,
     /// Number of deflected shapes, evenly spaced up to the earliest end time; up to twice as many if the contact lasts longer.
     #[schemars(default)]
-    pub shapes: Or<Count<0, 1000>, 8>,
+    pub shapes: Or<Count<0, { Beam::MOST_SHAPES }>, 8>,
 }
 
 /// Most steps, 1/128 of the contact time, over which readings at gauges are searched for the largest.
 const MOST_STEPS: f64 = 2e7;
-
-/// Most modes that a scene can ask for.
-const MOST_MODES: usize = 10_000;
 
 pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
     let raw: RawBeamScene = checker.document.parse()?;

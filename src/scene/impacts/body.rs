@@ -7,9 +7,9 @@ use std::sync::Arc;
 use super::super::check::Checker;
 use super::super::raw::{BodyKeys, MaterialChoice, raw_body};
 use crate::error::Result;
-use crate::impact::{Elastic, Solid};
+use crate::impact::{Elastic, Solid, Tolerances};
 use crate::material::{Material, Sense};
-use crate::typed::{Of, Placed, Plain, Poisson, Positive, Within};
+use crate::typed::{Of, Placed, Plain, Poisson, Positive};
 use crate::units::{Dimension, measures};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -24,7 +24,7 @@ raw_body! {
 }
 
 /// The tolerance of an integration.
-pub(super) type Tolerance = Of<Plain, Within<1, 10_000_000_000, 1_000_000_000_000>>;
+pub(super) type Tolerance = Of<Plain, Tolerances>;
 
 /// A body with the material that it names.
 pub(super) type Made<T> = (T, Option<Arc<Material>>);

@@ -195,7 +195,7 @@ impl Bar {
         use crate::material::{Beyond, Curve};
         let segment = |&(length, density): &(f64, f64)| {
             let curve = Curve::new(&[(0.01, 2e9)], Beyond::Extend).expect("rows rise");
-            Segment::new(length, 1.0, Material::from_curve("m", density, curve))
+            Segment::new(length, 1.0, Material::from_curve("m", density, curve).expect("a material"))
         };
         Self { segments: parts.iter().map(segment).collect(), area_given: true }
     }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, InputError};
 
-/// A rule that the rows of a table break.
+/// A rule that the rows of a table break. Its message counts rows from 1, as in files, that of the [`InputError`] it becomes from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RowError {
     /// The first row (from 0) that breaks it; none where there is no row.
@@ -34,8 +34,16 @@ impl std::fmt::Display for RowError {
 
 impl std::error::Error for RowError {}
 
+impl From<RowError> for InputError {
+    fn from(error: RowError) -> Self {
+        let message = error.row.map(|row| format!("row {row} (counted from 0) {}", error.rule));
+        let error = Self::new(message.unwrap_or_else(|| error.rule.to_owned())).key("rows");
+        error.help("check the rows, and their order")
+    }
+}
+
 impl From<RowError> for Error {
     fn from(error: RowError) -> Self {
-        InputError::new(error.to_string()).help("check the rows, and their order").into()
+        InputError::from(error).into()
     }
 }

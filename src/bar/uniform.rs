@@ -72,7 +72,7 @@ mod tests {
 
     fn segment(length: f64) -> Segment {
         let curve = Curve::new(&[(1e-3, 200e6)], Beyond::Extend).expect("rows rise");
-        Segment::new(length, 1.0, Material::from_curve("m", 8000.0, curve))
+        Segment::new(length, 1.0, Material::from_curve("m", 8000.0, curve).expect("a material"))
     }
 
     #[test]

@@ -182,7 +182,7 @@ fn study(args: &Args, how: &Checked, material: &Material) -> Result<Studied> {
         row: critical(material, sense),
         scatter: uncertainty(material, sense, how.bootstrap),
         sensitivity: args.sensitivity.then(|| sensitivity(material, sense)),
-        simulated: args.simulate.then(|| confirm(material, sense)),
+        simulated: args.simulate.then(|| confirm(material, sense)).transpose()?,
     })
 }
 
@@ -202,13 +202,13 @@ fn mean_of(materials: &[Material]) -> Result<Material> {
         curve: m.tension.clone(),
     };
     let tests: Vec<TestCurve> = materials.iter().map(test).collect();
-    let modulus = mean_modulus(&tests);
-    let rows = mean_curve(&tests, modulus);
+    let modulus = mean_modulus(&tests)?;
+    let rows = mean_curve(&tests, modulus)?;
     let reach_largest = tests.iter().any(|test| !test.stopped_while_rising());
     let beyond = if reach_largest { material::Beyond::Rupture } else { materials[0].tension.beyond() };
     let curve = Curve::new(&rows, beyond).map_err(|e| InputError::new(format!("the mean curve: {e}")))?;
     let density = materials.iter().map(|m| m.density).sum::<f64>() / materials.len() as f64;
-    let mut mean = Material::from_curve(format!("mean of {}", materials.len()), density, curve);
+    let mut mean = Material::from_curve(format!("mean of {}", materials.len()), density, curve)?;
     mean.modulus = modulus.max(mean.modulus);
     mean.scatter = Some(Box::new(Scatter { deviation: Vec::new(), tests }));
     Ok(mean)

@@ -8,7 +8,7 @@ use super::formula::{self, RawCurve, RawTabulate};
 use super::keys::Keys;
 use super::raw::RawMaterial;
 use super::row::TableRow;
-use super::tabulate::elastic_error;
+use super::tabulate::{check_true_strains, elastic_error};
 use super::{Beyond, Curve, CurveError, Law, Measure, Sense, Tabulate, Tabulated, tabulate_law, tabulate_true_rows};
 use crate::error::{Error, InputError, Result};
 use crate::input::Allowed;
@@ -129,6 +129,10 @@ impl<'a> Given<'a> {
             return Ok(Tabulated { rows: rows.to_vec(), error: 0.0 });
         }
         let past_origin = &rows[usize::from(rows[0].0 == 0.0)..];
+        check_true_strains(past_origin).map_err(|e| {
+            let row = e.row + rows.len() - past_origin.len();
+            self.row_error(&CurveError { row, ..e }, keys)
+        })?;
         Ok(tabulate_true_rows(past_origin, modulus, sense, self.how.tolerance)?)
     }
 
@@ -192,7 +196,7 @@ impl<'a> Given<'a> {
 
     fn row_error(&self, error: &CurveError, keys: Keys<'_>) -> InputError {
         self.at_row(error.row, error.to_string(), keys)
-            .allowed("finite, not negative, strain increasing from row to row")
+            .allowed(CurveError::ALLOWED)
             .help("rows are [strain, stress] as magnitudes; the first row is (0, 0) or omitted")
     }
 

@@ -38,7 +38,8 @@ pub enum UltimateReason {
     RuptureStrain,
 }
 
-/// Why a table is refused: the row (from 0) and the values that are wrong.
+/// Why a table is refused: the row (from 0) and the values that are wrong. Its message counts rows from 1, as in files, that of the
+/// [`InputError`] it becomes from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("row {}: {message}", row + 1)]
 pub struct CurveError {
@@ -48,10 +49,22 @@ pub struct CurveError {
     pub message: String,
 }
 
+impl From<CurveError> for InputError {
+    fn from(CurveError { row, message }: CurveError) -> Self {
+        let error = Self::new(format!("row {row} (counted from 0): {message}")).key("rows");
+        error.allowed(CurveError::ALLOWED).help("correct this row of the stress-strain curve")
+    }
+}
+
 impl From<CurveError> for Error {
     fn from(error: CurveError) -> Self {
-        InputError::new(error.to_string()).help("correct this row of the stress-strain curve").into()
+        InputError::from(error).into()
     }
+}
+
+impl CurveError {
+    /// What rows have to be.
+    pub(crate) const ALLOWED: &'static str = "finite, not negative, strain increasing from row to row";
 }
 
 /// Straight between knots, starting at (0, 0); magnitudes; strain strictly increasing. Stress may fall (a yield

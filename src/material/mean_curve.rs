@@ -7,18 +7,39 @@
 //! without a step.
 
 use super::TestCurve;
+use crate::error::InputError;
+use crate::input::{Checked, positive};
+use crate::units::Dimension;
 
 /// Fractions that differ by less are one.
 const SAME: f64 = 1e-9;
 
-/// The mean of the moduli of several tests (at least one), Pa.
-pub fn mean_modulus(tests: &[TestCurve]) -> f64 {
-    tests.iter().map(|test| test.modulus).sum::<f64>() / tests.len() as f64
+/// Tests of which there is one at least.
+pub(crate) fn check_tests(count: usize) -> Checked {
+    if count > 0 {
+        return Ok(());
+    }
+    let error = InputError::new("there is no test to combine").key("tests");
+    Err(error.allowed("at least one test").help("give the curves of the tests"))
 }
 
-/// The mean of the curves of several tests (at least one): rows (strain, stress in Pa) from the elastic limit on, with elastic strains by
+/// The mean of the moduli of several tests, Pa.
+///
+/// # Errors
+/// No test.
+pub fn mean_modulus(tests: &[TestCurve]) -> Result<f64, InputError> {
+    check_tests(tests.len())?;
+    Ok(tests.iter().map(|test| test.modulus).sum::<f64>() / tests.len() as f64)
+}
+
+/// The mean of the curves of several tests: rows (strain, stress in Pa) from the elastic limit on, with elastic strains by
 /// `modulus` (Pa). The rows are the knots of all tests, between which the mean is straight, too.
-pub fn mean_curve(tests: &[TestCurve], modulus: f64) -> Vec<(f64, f64)> {
+///
+/// # Errors
+/// No test; a modulus out of range.
+pub fn mean_curve(tests: &[TestCurve], modulus: f64) -> Result<Vec<(f64, f64)>, InputError> {
+    check_tests(tests.len())?;
+    positive([("modulus", modulus, Dimension::Stress)])?;
     let flows = flows(tests);
     let mut rows: Vec<(f64, f64)> = Vec::new();
     let mut add = |(p, s): (f64, f64)| {
@@ -48,7 +69,7 @@ pub fn mean_curve(tests: &[TestCurve], modulus: f64) -> Vec<(f64, f64)> {
             add(at);
         }
     }
-    rows
+    Ok(rows)
 }
 
 fn mean(values: impl ExactSizeIterator<Item = (f64, f64)>) -> (f64, f64) {
@@ -166,7 +187,7 @@ impl Flow {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{TestCurve, mean_curve};
     use crate::material::{Beyond, Curve};
 
     /// Elastic up to 200 MPa, a yield drop, a jump of an elastic slope, and a largest stress.
@@ -199,12 +220,16 @@ mod tests {
         }
     }
 
+    fn mean(tests: &[TestCurve], modulus: f64) -> Vec<(f64, f64)> {
+        mean_curve(tests, modulus).expect("tests")
+    }
+
     #[test]
     fn the_mean_of_equal_curves_is_the_curve() {
         let same = [0; 3].map(|_| test(&KNOTS, 1.0, Beyond::Error));
-        near(&mean_curve(&same, 200e9), KNOTS.into_iter());
+        near(&mean(&same, 200e9), KNOTS.into_iter());
         let scaled = [0.9, 1.1].map(|scale| test(&KNOTS, scale, Beyond::Error));
-        near(&mean_curve(&scaled, 200e9), KNOTS.into_iter());
+        near(&mean(&scaled, 200e9), KNOTS.into_iter());
     }
 
     #[test]
@@ -218,7 +243,7 @@ mod tests {
         // The same plastic strains: stresses are averaged, with elastic strains of their own.
         let at = |knot: (f64, f64), stress: f64| (knot.0 + (stress - knot.1) / 200e9, stress);
         let expected = KNOTS[..6].iter().copied().chain([at(KNOTS[6], top), at(KNOTS[7], end)]);
-        near(&mean_curve(&[falling.clone(), rising, falling], 200e9), expected);
+        near(&mean(&[falling.clone(), rising, falling], 200e9), expected);
     }
 
     #[test]
@@ -226,9 +251,9 @@ mod tests {
         let whole = test(&KNOTS, 1.0, Beyond::Error);
         let stopped = test(&KNOTS[..6], 1.0, Beyond::Error);
         assert!(stopped.stopped_while_rising() && !whole.stopped_while_rising());
-        near(&mean_curve(&[whole.clone(), stopped, whole], 200e9), KNOTS.into_iter());
+        near(&mean(&[whole.clone(), stopped, whole], 200e9), KNOTS.into_iter());
         // Two that stopped at different strains: the mean goes as far as the longer one.
         let both = [&KNOTS[..5], &KNOTS[..6]].map(|knots| test(knots, 1.0, Beyond::Error));
-        near(&mean_curve(&both, 200e9), KNOTS[..6].iter().copied());
+        near(&mean(&both, 200e9), KNOTS[..6].iter().copied());
     }
 }

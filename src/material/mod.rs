@@ -23,6 +23,10 @@ mod torsion;
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::InputError;
+use crate::input::positive;
+use crate::units::Dimension;
+
 pub use constants::Constants;
 pub(crate) use curve::SLOPE_ROUND_OFF;
 pub use curve::{Beyond, Curve, CurveError, Ultimate, UltimateReason};
@@ -30,6 +34,7 @@ pub use file::{read, resolve};
 pub use formula::{Formula, Law};
 pub use heat_constants::HeatConstants;
 pub use heating::{DEFAULT_FRACTION, Heating, HeatingError, WorkTable};
+pub(crate) use mean_curve::check_tests;
 pub use mean_curve::{mean_curve, mean_modulus};
 pub use rate::Rate;
 pub(crate) use rate::{RateModel, RawRate, TEMPERATURE, tables as rate_tables};
@@ -107,7 +112,8 @@ impl Loading {
     }
 }
 
-/// A material as the solvers see it: engineering tables, SI.
+/// A material as the solvers see it: engineering tables, SI. Materials that were read or come from [`Material::from_curve`] are checked; one
+/// whose members were changed has to pass [`Material::check`].
 #[derive(Debug, Clone, Serialize)]
 pub struct Material {
     /// Short name, as in file names and legends.
@@ -166,10 +172,12 @@ pub struct Provenance {
 }
 
 impl Material {
-    /// A material with this density (kg/m^3, > 0) and one table: modulus from the steepest
-    /// slope, the same curve in compression.
-    pub fn from_curve(name: impl Into<String>, density: f64, curve: Curve) -> Self {
-        Self {
+    /// A material with this density (kg/m^3) and one table: modulus from the steepest slope, the same curve in compression.
+    ///
+    /// # Errors
+    /// As [`Material::check`].
+    pub fn from_curve(name: impl Into<String>, density: f64, curve: Curve) -> Result<Self, InputError> {
+        let material = Self {
             name: name.into(),
             description: String::new(),
             density,
@@ -186,7 +194,25 @@ impl Material {
             heating: None,
             scatter: None,
             provenance: Provenance::default(),
-        }
+        };
+        material.check()?;
+        Ok(material)
+    }
+
+    /// Whether waves can be computed with it, which a change of its members may end.
+    ///
+    /// # Errors
+    /// A density outside of 1e-3 to 1e7 kg/m^3, a modulus outside of 1e-9 to 1e18 Pa or below a slope of a curve.
+    pub fn check(&self) -> Result<(), InputError> {
+        positive([("density", self.density, Dimension::Density), ("modulus", self.modulus, Dimension::Stress)])?;
+        let steeper = |curve: &Curve| curve.steeper_than(self.modulus);
+        let Some((_, slope)) = [Some(&self.tension), self.compression.as_ref()].into_iter().flatten().find_map(steeper)
+        else {
+            return Ok(());
+        };
+        let message = format!("a slope of the curve is {}", curve::above_modulus(slope, self.modulus));
+        let error = InputError::new(message).key("modulus").allowed(format!("modulus >= {slope:e} Pa"));
+        Err(error.help("set the modulus to the steepest slope of the curves"))
     }
 
     /// The loading table for a sense.

@@ -7,7 +7,7 @@ use super::curve::above_modulus;
 use super::keys::Keys;
 use super::raw::{RawBand, RawTest};
 use super::row::TableRow;
-use super::{Beyond, Curve};
+use super::{Beyond, Curve, CurveError};
 use crate::error::{InputError, Result};
 use crate::input::Allowed;
 use crate::units::{Dimension, Quantity};
@@ -84,7 +84,7 @@ fn test(raw: &RawTest, place: usize, beyond: Beyond, unit: f64, keys: Keys<'_>) 
     let key = format!("band.test.{place}");
     let wrong = |message: String| -> InputError {
         keys.error(raw.table.span(), &format!("{key}.table"), message)
-            .allowed("finite, not negative, strain increasing from row to row")
+            .allowed(CurveError::ALLOWED)
             .help("rows are [strain, stress] as magnitudes; the first row is (0, 0) or omitted")
     };
     let rows = table(raw.table.get_ref(), &format!("{key}.table"), unit, keys)?;

@@ -6,7 +6,7 @@
 
 use super::curve::SECANT_ROUND_OFF;
 use super::formula::ToTabulate;
-use super::{Law, Measure, Sense};
+use super::{CurveError, Law, Measure, Sense};
 use crate::error::InputError;
 use crate::input::{Allowed, Checked, finite, member, optional};
 use crate::root::bisect;
@@ -241,7 +241,7 @@ pub(super) fn elastic_error(law: &Law, modulus: f64, measure: Measure, sense: Se
 /// bend. Rows on the elastic line (slope `modulus`, or the first row's where none is known) stay on it. For `tolerance`, see [`Tabulate`].
 ///
 /// # Errors
-/// A tolerance or a modulus out of range; rows that are not finite.
+/// A tolerance or a modulus out of range; rows that are not finite, or whose strains do not increase from above 0, or are too large.
 pub fn tabulate_true_rows(
     rows: &[(f64, f64)],
     modulus: Option<f64>,
@@ -251,6 +251,7 @@ pub fn tabulate_true_rows(
     Tabulate::check(tolerance, modulus)?;
     finite("rows.strain", rows.iter().map(|row| row.0))?;
     finite("rows.stress", rows.iter().map(|row| row.1))?;
+    check_true_strains(rows)?;
     let Some(&(first_strain, first_stress)) = rows.first() else { return Ok(Tabulated::default()) };
     let modulus = modulus.unwrap_or(first_stress / first_strain);
     let on_line = |&&(strain, stress): &&(f64, f64)| (stress / (modulus * strain) - 1.0).abs() <= SECANT_ROUND_OFF;
@@ -269,6 +270,23 @@ pub fn tabulate_true_rows(
         table.error = table.error.max(piece.error);
     }
     Ok(table)
+}
+
+/// Largest true strain of a table, ln 1e12: of larger ones the engineering strain has no possible magnitude.
+const MOST_TRUE_STRAIN: f64 = 27.6;
+
+/// True strains that can be converted.
+pub(super) fn check_true_strains(rows: &[(f64, f64)]) -> Result<(), CurveError> {
+    let mut above = 0.0;
+    for (row, &(strain, _)) in rows.iter().enumerate() {
+        let range = Allowed::Above(above, MOST_TRUE_STRAIN);
+        if !range.holds(strain) {
+            let allowed = range.describe("strain", Dimension::None);
+            return Err(CurveError { row, message: format!("true strain {strain:e}, where {allowed}") });
+        }
+        above = strain;
+    }
+    Ok(())
 }
 
 /// One straight segment of a true table, with a knot where its engineering stress is largest: in tension, where

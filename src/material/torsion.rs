@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 use super::tabulate::{elastic_engineering_strain, refine};
 use super::{Beyond, Curve, CurveError, Loading, Material, Sense, Tabulated, UltimateReason, true_from_engineering};
+use crate::error::InputError;
 use crate::root::bisect;
 
 /// Largest distance in stress of a nominal curve from the integral, over the largest stress of its data; of its extension, over that of the extension.
@@ -117,9 +118,12 @@ impl Material {
     /// rate laws are kept as they are in tension; [`super::Rate::in_shear`] converts them.
     ///
     /// # Errors
-    /// What is missing.
-    pub fn in_shear(&self) -> Result<Self, &'static str> {
-        let nu = self.poisson.ok_or("its Poisson's ratio (`poisson`) is missing, which the shear modulus needs")?;
+    /// Poisson's ratio is missing; a curve that is none in shear.
+    pub fn in_shear(&self) -> Result<Self, InputError> {
+        let nu = self.poisson.ok_or_else(|| {
+            let error = InputError::new("its Poisson's ratio (`poisson`) is missing, which the shear modulus needs");
+            error.key("poisson").allowed("0 <= poisson <= 0.5").help("add it to the material")
+        })?;
         let modulus = self.modulus / (2.0 * (1.0 + nu));
         let (end, beyond) = self.end_in_shear();
         let tension = ShearBranch { material: self, sense: Sense::Tension, modulus };
@@ -130,7 +134,10 @@ impl Material {
             table.rows.extend_from_slice(&more.rows[1..]);
             table.error = table.error.max(more.error);
         }
-        let curve = Curve::new(&table.rows, beyond).map_err(|_| "its curve does not give a valid shear curve")?;
+        let curve = Curve::new(&table.rows, beyond).map_err(|_| {
+            let error = InputError::new("its curve does not give a valid shear curve").key("tension");
+            error.help("check the curve and Poisson's ratio, or give the curve in shear")
+        })?;
         Ok(Self {
             modulus,
             loading: Loading::Shear,
@@ -257,7 +264,7 @@ mod tests {
     fn a_section_without_a_nominal_curve_is_an_error() {
         let curve = Curve::new(&[(0.002, 160e6), (1e12, 170e6)], Beyond::Extend).expect("rows rise");
         assert!(TubeSection { q: 0.0 }.nominal_curve(&curve, G).is_err());
-        let rod = Material::from_curve("steel", 7800.0, curve).in_torsion(TubeSection { q: 0.0 });
+        let rod = Material::from_curve("steel", 7800.0, curve).expect("a material").in_torsion(TubeSection { q: 0.0 });
         assert!(rod.is_err());
     }
 
@@ -293,7 +300,7 @@ mod tests {
     fn von_mises_keeps_elastic_and_plastic_parts_apart() {
         let rows = [(0.001, 200e6), (0.011, 400e6)];
         let curve = Curve::new(&rows, Beyond::Extend).expect("rows rise");
-        let mut steel = Material::from_curve("steel", 7800.0, curve);
+        let mut steel = Material::from_curve("steel", 7800.0, curve).expect("a material");
         assert!(steel.in_shear().is_err());
         steel.poisson = Some(0.25);
         let shear = steel.in_shear().expect("poisson is known");
@@ -314,7 +321,7 @@ mod tests {
         let (modulus, nu) = (70e9, 0.33);
         let slope = 2e9;
         let curve = Curve::new(&[(0.002, 140e6), (0.302, 740e6)], Beyond::Extend).expect("rows rise");
-        let mut metal = Material::from_curve("metal", 2700.0, curve);
+        let mut metal = Material::from_curve("metal", 2700.0, curve).expect("a material");
         metal.poisson = Some(nu);
         let shear = metal.in_shear().expect("poisson is known");
         let root = 3.0_f64.sqrt();
@@ -342,7 +349,7 @@ mod tests {
                 true_rows.iter().map(|&(e, s)| super::super::engineering_from_true(sense, e, s)).collect();
             Curve::new(&rows, Beyond::Error).expect("rows rise")
         };
-        let mut copper = Material::from_curve("copper", 8960.0, branch(Sense::Tension));
+        let mut copper = Material::from_curve("copper", 8960.0, branch(Sense::Tension)).expect("a material");
         copper.poisson = Some(0.34);
         assert!(copper.tension.ultimate().is_some_and(|top| (top.strain - 0.3_f64.exp_m1()).abs() < 0.02));
         let alone = copper.in_shear().expect("a curve").tension;

@@ -10,7 +10,7 @@ use crate::assemble;
 use crate::bar::{Bar, EndCondition, History, Segment};
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Checked, member};
-use crate::material::{Material, Rate, Sense, rate_tables};
+use crate::material::{Material, Rate, Sense, Ultimate, rate_tables};
 use crate::record::{Compression, Field, Precision};
 use crate::scene::{Effects, HardeningRule, Heat, Method, Record, Scene, SceneParts, Solve};
 use crate::solver::fd::{Leapfrog, Quantity};
@@ -87,9 +87,18 @@ pub struct Confirmation {
 
 /// Brackets the critical velocity of a material's curve by simulation; none where it has none. The bars run for one transit of the
 /// elastic wave. The search starts from bounds that do not use the integral: 0, and `sqrt(stress strain/density)` of the ultimate point.
-pub fn confirm(material: &Material, sense: Sense) -> Option<Confirmation> {
-    let (row, ultimate) = (critical(material, sense), material.branch(sense).ultimate()?);
-    let velocity = row.critical_velocity_m_s?;
+///
+/// # Errors
+/// As [`Material::check`].
+pub fn confirm(material: &Material, sense: Sense) -> Result<Option<Confirmation>> {
+    material.check()?;
+    let ultimate = material.branch(sense).ultimate();
+    let at = critical(material, sense).critical_velocity_m_s.zip(ultimate);
+    Ok(at.map(|(velocity, ultimate)| confirmed(material, sense, velocity, ultimate)))
+}
+
+/// The brackets beside this critical velocity (m/s), that of a material's ultimate point.
+fn confirmed(material: &Material, sense: Sense, velocity: f64, ultimate: Ultimate) -> Confirmation {
     let most = 1.001 * (ultimate.stress * ultimate.strain / material.density).sqrt();
     let material = Arc::new(material.clone());
     let fronts = bisect([0.0, most], |v| follows(&material, sense, v));
@@ -101,7 +110,7 @@ pub fn confirm(material: &Material, sense: Sense) -> Option<Confirmation> {
     }
     let converged = on.has_converged();
     let confirmed = converged && fronts.holds(velocity, 0.0) && on.bracket.holds(velocity, on.resolution_m_s);
-    Some(Confirmation { fronts, grid: on, converged, confirmed })
+    Confirmation { fronts, grid: on, converged, confirmed }
 }
 
 /// Effects beyond the static curve.
@@ -148,9 +157,10 @@ pub(crate) fn check_length(length: f64) -> Checked {
 /// Where heat is asked for, the material is heated here, unless it is already.
 ///
 /// # Errors
-/// A length out of range; a material without the constants of a rate law, or of heating, that is asked for.
+/// A length out of range; as [`Material::check`]; a material without the constants of a rate law, or of heating, that is asked for.
 pub fn apparent(material: &Material, sense: Sense, with: RateAndHeat, length: f64) -> Result<Option<Apparent>> {
     check_length(length)?;
+    material.check()?;
     let heated = with_constants(material, with)?;
     Ok(strain_limit(material, sense).and_then(|limit| bracketed(&heated, sense, with, length, limit)))
 }

@@ -128,7 +128,8 @@ mod tests {
         let (density, modulus) = (7850.0_f64, 200e9);
         let rows = [(0.001, 200e6), (0.1, 220e6), (0.2, 400e6), (0.3, 420e6)];
         let curve = Curve::new(&rows, Beyond::Rupture).expect("the table is right");
-        let compared = &compare(&[Material::from_curve("stiff", density, curve)], Sense::Tension)[0];
+        let compared =
+            &compare(&[Material::from_curve("stiff", density, curve).expect("a material")], Sense::Tension)[0];
         let chord = |stress: f64, strain: f64| (stress / strain / density).sqrt();
         let expected =
             [chord(modulus, 1.0), chord(modulus, 1.0), chord(20e6, 0.099), chord(200e6, 0.199), chord(20e6, 0.1)];
@@ -148,7 +149,7 @@ mod tests {
     fn the_velocity_stalls_across_a_yield_drop_and_starts_again_where_the_stress_returns() {
         let rows = [(0.0015, 310e6), (0.0016, 250e6), (0.02, 250e6), (0.1, 380e6), (0.2, 430e6)];
         let curve = Curve::new(&rows, Beyond::Error).expect("the table is right");
-        let compared = &compare(&[Material::from_curve("drop", 7850.0, curve)], Sense::Tension)[0];
+        let compared = &compare(&[Material::from_curve("drop", 7850.0, curve).expect("a material")], Sense::Tension)[0];
         let back = 0.02 + 60.0 / 130.0 * 0.08;
         let stalled: Vec<_> = compared.loading.iter().filter(|p| p.strain >= 0.0015 && p.strain < back).collect();
         assert!(stalled.len() > 10);

@@ -111,7 +111,7 @@ mod tests {
     fn contributions_add_up_and_a_straight_curve_answers_in_closed_form() {
         let rows = [(0.001, 200e6), (0.1, 400e6)];
         let curve = Curve::new(&rows, Beyond::Rupture).expect("a curve");
-        let material = Material::from_curve("bilinear", 8000.0, curve);
+        let material = Material::from_curve("bilinear", 8000.0, curve).expect("a material");
         let intervals = sensitivity(&material, Sense::Tension);
         let velocity = similarity::critical(&material.tension, 8000.0).expect("critical").velocity;
         let sum: f64 = intervals.iter().map(|i| i.contribution_m_s).sum();

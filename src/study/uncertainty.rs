@@ -189,7 +189,8 @@ mod tests {
     #[test]
     fn a_deviation_of_the_stress_moves_the_plastic_rows_and_leaves_the_elastic_line() {
         let rows = [(0.001, 200e6), (0.05, 300e6), (0.1, 400e6)];
-        let mut material = Material::from_curve("a", 8000.0, Curve::new(&rows, Beyond::Rupture).expect("a curve"));
+        let mut material = Material::from_curve("a", 8000.0, Curve::new(&rows, Beyond::Rupture).expect("a curve"))
+            .expect("a material");
         let deviation = rows.iter().map(|row| (row.0, 0.04 * row.1)).collect();
         material.scatter = Some(Box::new(Scatter { deviation, tests: Vec::new() }));
         let found = uncertainty(&material, Sense::Tension, Bootstrap { resamples: 4000, seed: 7 }).expect("scatter");

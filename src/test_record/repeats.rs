@@ -3,7 +3,7 @@
 use super::decimate::decimate;
 use super::reduce::{Reduction, check_tolerance, rounded, six_digits};
 use crate::error::InputError;
-use crate::material::{Beyond, Curve, Scatter, TestCurve, mean_curve, mean_modulus};
+use crate::material::{Beyond, Curve, Scatter, TestCurve, check_tests, mean_curve, mean_modulus};
 
 /// The mean of several tests and their scatter.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,18 +29,15 @@ const FINER: f64 = 4.0;
 /// No test; a tolerance out of range; a reduction whose knots are no curve.
 pub fn combine(tests: &[(String, Reduction)], tolerance: f64) -> Result<Repeats, InputError> {
     check_tolerance(tolerance)?;
-    if tests.is_empty() {
-        let error = InputError::new("there is no test to combine").key("tests");
-        return Err(error.allowed("at least one test").help("reduce the records first"));
-    }
+    check_tests(tests.len())?;
     let curve = |(record, reduction): &(String, Reduction)| {
         let beyond = if reduction.fracture.is_some() { Beyond::Rupture } else { Beyond::Error };
         let curve = Curve::new(&reduction.knots, beyond).map_err(|e| InputError::new(format!("{record}: {e}")))?;
         Ok(TestCurve { record: record.clone(), modulus: reduction.modulus, density: None, curve })
     };
     let tests = tests.iter().map(curve).collect::<Result<Vec<_>, InputError>>()?;
-    let modulus = six_digits(mean_modulus(&tests));
-    let rows: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(mean_curve(&tests, modulus)).collect();
+    let modulus = six_digits(mean_modulus(&tests)?);
+    let rows: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(mean_curve(&tests, modulus)?).collect();
     let knots = rounded(&decimate(&rows, tolerance / FINER), modulus);
     let reached: Vec<&TestCurve> = tests.iter().filter(|test| !test.stopped_while_rising()).collect();
     let all_broke = !reached.is_empty() && reached.iter().all(|test| test.curve.beyond() == Beyond::Rupture);

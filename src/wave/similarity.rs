@@ -1,7 +1,9 @@
 //! The self-similar solution of a long bar with a sudden end velocity or stress: one front for each edge of the upper concave hull
 //! of the curve.
 //!
-//! Everything here is in magnitudes (strain, stress, velocity jump all >= 0); the caller puts the signs.
+//! Everything here is in magnitudes (strain, stress, velocity jump all >= 0); the caller puts the signs. Densities are those of a checked
+//! material, see [`Material::check`](crate::material::Material::check): with a density of 0, speeds and velocities are infinite, and what is
+//! not a number gives what is not a number.
 
 use serde::Serialize;
 
@@ -159,6 +161,9 @@ pub fn critical(curve: &Curve, density: f64) -> Option<Critical> {
 /// Grows the hull knot by knot until `reach` finds the imposed value on the next piece of the curve.
 fn imposed(curve: &Curve, density: f64, value: f64, reach: impl Fn(&Hull, Line) -> Option<Knot>) -> Fan {
     let mut hull = Hull::new(density);
+    if value.is_nan() {
+        return Fan { strain: value, stress: value, velocity: value, ..fan(&hull) };
+    }
     if value <= 0.0 {
         return fan(&hull);
     }

@@ -20,7 +20,10 @@ pub struct Case {
 }
 
 fn material(rows: &[(f64, f64)], density: f64) -> Arc<Material> {
-    Arc::new(Material::from_curve("study", density, Curve::new(rows, Beyond::Extend).expect("rows are right")))
+    Arc::new(
+        Material::from_curve("study", density, Curve::new(rows, Beyond::Extend).expect("rows are right"))
+            .expect("a material"),
+    )
 }
 
 /// A power law above yield, cut into `knots` at even steps of the logarithm of strain.

@@ -33,7 +33,7 @@ pub fn bilinear_steel() -> Material {
 
 /// A material of [`DENSITY`] with one table.
 pub fn material(rows: &[(f64, f64)], beyond: Beyond) -> Material {
-    Material::from_curve("steel", DENSITY, Curve::new(rows, beyond).expect("rows rise"))
+    Material::from_curve("steel", DENSITY, Curve::new(rows, beyond).expect("rows rise")).expect("a material")
 }
 
 /// Hooke's law for ever.

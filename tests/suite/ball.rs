@@ -4,6 +4,7 @@ use crate::common;
 use crate::common::{binary, net};
 
 use barwave::bar::{Bar, EndCondition, Hertz, Segment};
+use barwave::material::Material;
 use barwave::record::Ledger;
 use barwave::scene::HardeningRule;
 use barwave::solver::fd::Leapfrog;
@@ -98,11 +99,8 @@ fn a_fixed_end_gives_the_contact_of_hertz() {
     let (hertz, time) = (contact(), contact().contact_time(MASS, velocity));
     // One cell behind a bar so stiff and heavy that it moves by a millionth of the approach.
     let missed = |steps: f64| {
-        let heavy = barwave::material::Material::from_curve(
-            "heavy",
-            1e8,
-            barwave::material::Curve::new(&[(0.01, 1e18)], barwave::material::Beyond::Extend).expect("a line"),
-        );
+        let line = barwave::material::Curve::new(&[(0.01, 1e18)], barwave::material::Beyond::Extend).expect("a line");
+        let heavy = Material { density: 1e8, modulus: 1e20, tension: line, ..common::elastic_steel() };
         let length = 1e5 * time / steps * 2.0;
         let segment = Segment::new(length, AREA, heavy);
         let mut bar = common::leapfrog(vec![segment], [ball(velocity), EndCondition::Fixed], None, 2, 1.0);
@@ -167,7 +165,7 @@ fn a_ball_never_pulls_and_strikes_again() {
 #[test]
 fn a_ball_makes_the_end_of_a_thin_bar_yield() {
     // 5.8 kN on 9 mm^2 would be 640 MPa.
-    let run = |material: barwave::material::Material| {
+    let run = |material: Material| {
         let segment = Segment::new(0.3, 9e-6, material);
         let ends = [ball(10.0), EndCondition::Free];
         let mut bar = common::leapfrog(vec![segment], ends, Some(HardeningRule::Isotropic), 600, 1.0);
@@ -258,7 +256,7 @@ fn a_rate_dependent_bar_takes_from_the_ball_what_it_gets() {
 }
 
 /// The tracked bar, whose ball takes steps of `step` of the largest force.
-fn tracked(material: barwave::material::Material, area: f64, ends: [EndCondition; 2], step: f64) -> FrontTracking {
+fn tracked(material: Material, area: f64, ends: [EndCondition; 2], step: f64) -> FrontTracking {
     let segments = vec![Segment::new(0.5, area, material)];
     let settings = Settings { ramp_step: Some(step), front_tolerance: 0.0, ..Settings::default() };
     let flow = Flow::Plastic { kinematic: 0.0 };

@@ -44,7 +44,7 @@ fn length(case: &Case) -> f64 {
 
 fn bilinear(r: f64) -> Material {
     let rows = [(1.0, 1.0), (2.0, 1.0 + r * r)];
-    Material::from_curve("bilinear", 1.0, Curve::new(&rows, Beyond::Extend).expect("rows rise"))
+    Material::from_curve("bilinear", 1.0, Curve::new(&rows, Beyond::Extend).expect("rows rise")).expect("a material")
 }
 
 fn bar<S>(case: &Case, build: Build<S>) -> S {

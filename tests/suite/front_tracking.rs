@@ -17,7 +17,9 @@ const ISOTROPIC: Flow = Flow::Plastic { kinematic: 0.0 };
 const KINEMATIC: Flow = Flow::Plastic { kinematic: 1.0 };
 
 fn material(rows: &[(f64, f64)], density: f64, beyond: Beyond) -> Arc<Material> {
-    Arc::new(Material::from_curve("test", density, Curve::new(rows, beyond).expect("rows are right")))
+    Arc::new(
+        Material::from_curve("test", density, Curve::new(rows, beyond).expect("rows are right")).expect("a material"),
+    )
 }
 
 /// `E = rho = sigma_y = 1`, plastic wave speed r.

@@ -10,7 +10,10 @@ use barwave::wave::riemann::Flow;
 const ISOTROPIC: Flow = Flow::Plastic { kinematic: 0.0 };
 
 fn material(rows: &[(f64, f64)]) -> Arc<Material> {
-    Arc::new(Material::from_curve("test", 1.0, Curve::new(rows, Beyond::Extend).expect("rows are right")))
+    Arc::new(
+        Material::from_curve("test", 1.0, Curve::new(rows, Beyond::Extend).expect("rows are right"))
+            .expect("a material"),
+    )
 }
 
 /// `E = rho = c0 = 1`, no yield.

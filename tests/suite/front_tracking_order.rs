@@ -11,7 +11,8 @@ const AREA: f64 = 0.5;
 /// A bar with `E = rho = c0 = 1` that does not yield, of area `AREA`, length 1 and velocity `velocity`.
 fn bar(ends: [EndCondition; 2], velocity: f64, step: f64) -> FrontTracking {
     let curve = Curve::new(&[(1e6, 1e6)], Beyond::Extend).expect("rows are right");
-    let segment = Segment::new(1.0, AREA, Material::from_curve("test", 1.0, curve)).with_velocity(velocity);
+    let segment =
+        Segment::new(1.0, AREA, Material::from_curve("test", 1.0, curve).expect("a material")).with_velocity(velocity);
     let settings = Settings { ramp_step: Some(step), ..Settings::default() };
     FrontTracking::new(
         &Bar { segments: vec![segment], area_given: true },

@@ -31,7 +31,7 @@ fn curve(level: f64) -> impl Strategy<Value = Arc<Material>> {
             rows.push((strain, stress));
         }
         let curve = Curve::new(&rows, Beyond::Extend).expect("concave");
-        Arc::new(Material::from_curve("random", density, curve))
+        Arc::new(Material::from_curve("random", density, curve).expect("a material"))
     })
 }
 

@@ -343,7 +343,7 @@ fn below_yield_it_is_the_elastic_law_to_the_last_bit() {
 }
 
 fn bar(lines: u32) -> Vec<Segment> {
-    let material = Material::from_curve("aluminium", 2700.0, aluminium_curve(lines));
+    let material = Material::from_curve("aluminium", 2700.0, aluminium_curve(lines)).expect("a material");
     vec![common::segment(material, 1.0)]
 }
 

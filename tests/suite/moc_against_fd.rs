@@ -73,7 +73,7 @@ fn steel(length: f64) -> Segment {
 /// Aluminium-like: half as stiff, a third as heavy, yield at 280 MPa.
 fn light(length: f64) -> Segment {
     let curve = Curve::new(&[(0.004, 280e6), (0.05, 500e6)], Beyond::Extend).expect("rows rise");
-    common::segment(Material::from_curve("light", 2700.0, curve), length)
+    common::segment(Material::from_curve("light", 2700.0, curve).expect("a material"), length)
 }
 
 fn let_go(velocity: f64, release: f64) -> EndCondition {

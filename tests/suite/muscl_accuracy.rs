@@ -131,7 +131,10 @@ fn measured_speed(bar: &Muscl, strains: [f64; 2]) -> f64 {
 
 fn table(rows: &[(f64, f64)], density: f64) -> Arc<Material> {
     let rows: Vec<(f64, f64)> = rows.iter().map(|&(strain, mega)| (strain, mega * 1e6)).collect();
-    Arc::new(Material::from_curve("table", density, Curve::new(&rows, Beyond::Extend).expect("rows are right")))
+    Arc::new(
+        Material::from_curve("table", density, Curve::new(&rows, Beyond::Extend).expect("rows are right"))
+            .expect("a material"),
+    )
 }
 
 /// Tables T-A, T-B and T-C with the impact velocity, and (speed, strain ahead, strain behind) of their fronts.

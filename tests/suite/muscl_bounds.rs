@@ -38,7 +38,7 @@ fn level_in_the_middle() -> Material {
 /// A perfectly plastic shear curve, as a rod (q = 0) or a thick tube has it.
 fn twisted(q: f64) -> Material {
     let curve = Curve::new(&[(0.002, 160e6), (0.5, 160e6)], Beyond::Extend).expect("rows rise");
-    let shear = Material::from_curve("steel", common::DENSITY, curve);
+    let shear = Material::from_curve("steel", common::DENSITY, curve).expect("a material");
     (*shear.in_torsion(TubeSection { q }).expect("a curve")).clone()
 }
 

@@ -190,7 +190,8 @@ fn material_from(rows: Vec<(f64, f64)>, density: f64, yield_stress: f64, compres
         let (e, s) = table[table.len() - 1];
         table.push((e + strain, s + part * strain * MODULUS));
     }
-    let mut material = Material::from_curve("random", density, Curve::new(&table, Beyond::Extend).expect("rows rise"));
+    let mut material = Material::from_curve("random", density, Curve::new(&table, Beyond::Extend).expect("rows rise"))
+        .expect("a material");
     material.modulus = MODULUS;
     if compression {
         let other: Vec<_> = table.iter().map(|(e, s)| (e * 1.3, s * 1.3)).collect();

@@ -341,7 +341,7 @@ impl Layers {
 #[test]
 fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     let curve = Curve::new(&[(TAU / G, TAU), (0.5, TAU)], Beyond::Extend).expect("rows rise");
-    let mut shear = Material::from_curve("s", 7800.0, curve);
+    let mut shear = Material::from_curve("s", 7800.0, curve).expect("a material");
     shear.loading = Loading::Shear;
     let rod = shear.in_torsion(TubeSection { q: 0.0 }).expect("a curve");
     let segment = barwave::bar::Segment::new(1.0, 1.0, rod);

@@ -363,7 +363,8 @@ pub(crate) mod tests {
 
     /// Of steel.
     pub fn heating(exponent: f64) -> Heating {
-        let mut steel = Material { modulus: MODULUS, ..Material::from_curve("steel", 7800.0, curve()) };
+        let mut steel =
+            Material { modulus: MODULUS, ..Material::from_curve("steel", 7800.0, curve()).expect("a material") };
         let heat = &mut steel.constants.heat;
         (heat.specific_heat, heat.exponent) = (Some(480.0), Some(exponent));
         (heat.reference_temperature, heat.melting_temperature) = (Some(293.0), Some(1800.0));

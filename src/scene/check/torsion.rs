@@ -207,7 +207,7 @@ impl Checker<'_> {
         match material.in_shear() {
             Ok(shear) => Ok(Arc::new(shear)),
             Err(why) => refuse(
-                format!("`{}` cannot be converted to shear: {why}", material.name),
+                format!("`{}` cannot be converted to shear: {}", material.name, why.message),
                 "add it to the material, or give the curve in shear (loading = \"shear\")",
             ),
         }

@@ -134,6 +134,7 @@ mod tests {
         let strain = |k: u32| 1e-3 * 50.0_f64.powf(f64::from(k) / f64::from(rows - 1));
         let rows: Vec<(f64, f64)> = (0..rows).map(|k| (strain(k), YIELD * (strain(k) / 1e-3).powf(0.2))).collect();
         Material::from_curve("steel", 7800.0, Curve::new(&rows, Beyond::Extend).expect("rows rise"))
+            .expect("a material")
     }
 
     /// A bar that is struck, released, and vibrates between a free end and a wall.

@@ -159,7 +159,7 @@ mod tests {
     /// A bar of segments with these lengths (m) and initial velocities (m/s), of a metal that yields at [`YIELD`].
     fn bar(segments: &[(f64, f64)], ends: [EndCondition; 2]) -> Leapfrog {
         let curve = Curve::new(&[(1e-3, YIELD), (1e-2, 1.5 * YIELD)], Beyond::Extend).expect("rows rise");
-        let material = Arc::new(Material::from_curve("steel", 7800.0, curve));
+        let material = Arc::new(Material::from_curve("steel", 7800.0, curve).expect("a material"));
         let table = Table::new(material.branch(Sense::Tension), material.modulus);
         let law = SegmentLaw {
             law: Arc::new(Rows::new(Isotropic(Indexed::new(&table).expect("fits")))),

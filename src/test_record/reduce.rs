@@ -33,6 +33,21 @@ pub struct Reduce {
     pub strain_step: f64,
 }
 
+impl Default for Reduce {
+    fn default() -> Self {
+        Self {
+            modulus: None,
+            compliance: false,
+            elastic_range: None,
+            toe: true,
+            window: None,
+            tolerance: Self::TOLERANCE,
+            stress_step: 0.0,
+            strain_step: 0.0,
+        }
+    }
+}
+
 impl Reduce {
     /// Default tolerance of the knots.
     pub const TOLERANCE: f64 = 1e-3;

@@ -246,6 +246,8 @@ fn a_table_of_arrivals_is_inverted() {
     let message = refused(path, &arguments);
     assert!(message.contains("t.csv:2") && message.contains("`abc` is not a finite number"), "{message}");
     assert!(refused(path, &arguments[..3]).contains("--density"));
+    let message = refused(path, &joined(&arguments, &["--time-error", "1 us", "--replicates", "5"]));
+    assert!(message.contains("`--replicates`: 5 is out of range") && message.contains("100000"), "{message}");
     let output = barwave(path, &joined(&arguments, &["--length", "-1 m"]));
     assert_eq!(output.status.code(), Some(2));
 }
@@ -798,6 +800,8 @@ fn names<T>(ended: Result<T>, key: &str) {
     assert!(error.key == key && !error.allowed.is_empty() && !error.help.contains("--"), "{key}: {error:?}");
 }
 
+const REPLICATES_OUT_OF_RANGE: [usize; 5] = [0, 1, 19, 100_001, usize::MAX];
+
 const NONE: [f64; 4] = [f64::NAN, f64::INFINITY, 0.0, -1.0];
 
 #[test]
@@ -858,18 +862,12 @@ fn records_of_a_program_are_checked_before_their_inversion() {
         simulated: false,
         notes: Vec::new(),
     };
-    let options = arrivals::Options {
-        density: 8960.0,
-        modulus: None,
-        length: None,
-        start: 0.0,
-        centred: false,
-        position_error: 0.0,
-        time_error: None,
-        replicates: 20,
-        seed: 1,
-    };
+    let options = arrivals::Options { density: 8960.0, replicates: 20, ..arrivals::Options::default() };
     assert!(arrivals::of_records(&recording, &options).is_ok());
+    names(arrivals::of_records(&recording, &arrivals::Options::default()), "density");
+    for replicates in REPLICATES_OUT_OF_RANGE {
+        names(arrivals::of_records(&recording, &arrivals::Options { replicates, ..options.clone() }), "replicates");
+    }
     for wrong in NONE {
         let with = |options: arrivals::Options| arrivals::of_records(&recording, &options);
         names(with(arrivals::Options { density: wrong, ..options.clone() }), "density");
@@ -903,16 +901,16 @@ fn a_profile_of_a_program_is_checked_before_its_inversion() {
         state: residual::State::Loaded,
         time: 2e-4,
         velocity: 40.0,
-        velocity_error: 0.0,
-        position_error: 0.0,
         density: 8960.0,
         modulus: 115e9,
-        length: None,
-        yield_stress: None,
         replicates: 20,
-        seed: 1,
+        ..residual::Options::default()
     };
     assert!(residual::invert(&profile, &options).is_ok());
+    names(residual::invert(&profile, &residual::Options::default()), "time");
+    for replicates in REPLICATES_OUT_OF_RANGE {
+        names(residual::invert(&profile, &residual::Options { replicates, ..options.clone() }), "replicates");
+    }
     for wrong in NONE {
         let with = |options: residual::Options| residual::invert(&profile, &options);
         names(with(residual::Options { time: wrong, ..options.clone() }), "time");

@@ -68,6 +68,7 @@ pub(super) const OPTIONS: &[OptionOf<'static>] = &[
     ("distances", "--at", "e.g. --at 20mm,40mm"),
     ("gauges", "--gauges", ""),
     ("position_error", "--position-error", ""),
+    ("replicates", "--replicates", ""),
     ("time_error", "--time-error", "e.g. --time-error \"0.2 us\""),
 ];
 
@@ -83,7 +84,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         centred: args.centred,
         position_error: args.position_error,
         time_error: args.time_error,
-        replicates: args.random.replicates as usize,
+        replicates: args.random.replicates,
         seed: args.random.seed,
     };
     let inverted = match &recording {

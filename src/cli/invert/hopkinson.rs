@@ -15,7 +15,7 @@ use crate::report;
 use crate::study::invert::hopkinson::{
     ElasticBar, Knot, Moment, Options, Records, Reduced, Setup, Test, records_from_csv, reduce,
 };
-use crate::study::invert::{MaterialText, MeasuredKnot, against_knots, with_elastic_part};
+use crate::study::invert::{MaterialText, MeasuredKnot, SEED, against_knots, with_elastic_part};
 use crate::units::{Dimension, System, format, in_units};
 
 /// Options of `barwave invert hopkinson`.
@@ -64,13 +64,13 @@ pub(super) struct Args {
     #[arg(long, value_parser = quantity::positive(Dimension::Time))]
     window: Option<f64>,
     /// Largest difference of the forces on the two faces, over their mean, that counts as equilibrium.
-    #[arg(long, default_value = "10 %", value_parser = quantity::positive(Dimension::None))]
+    #[arg(long, default_value_t = Options::EQUILIBRIUM, value_parser = quantity::positive(Dimension::None))]
     equilibrium: f64,
     /// Poisson's ratio of the bars, for the estimate of their dispersion.
-    #[arg(long, default_value = "0.29", value_parser = quantity::not_negative(Dimension::None))]
+    #[arg(long, default_value_t = Options::POISSON, value_parser = quantity::not_negative(Dimension::None))]
     poisson: f64,
     /// Seed of --noise.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = SEED)]
     seed: u64,
     /// Add normally distributed noise to the records, with a standard deviation of this fraction of the largest strain of each record, e.g. "1 %".
     #[arg(long, value_name = "PART", value_parser = quantity::not_negative(Dimension::None))]

@@ -69,6 +69,7 @@ pub(super) const OPTIONS: &[OptionOf<'static>] = &[
     ("yield_stress", "--yield-stress", ""),
     ("velocity_error", "--velocity-error", ""),
     ("position_error", "--position-error", ""),
+    ("replicates", "--replicates", ""),
 ];
 
 pub(super) fn run(args: &Args) -> Result<()> {
@@ -111,7 +112,7 @@ fn options(args: &Args, test: Option<&Test>) -> Result<Options> {
         modulus: shared::needed(of(args.modulus, |t| t.modulus), "--modulus", "115 GPa")?,
         length: of(args.length, |t| t.length),
         yield_stress: args.yield_stress,
-        replicates: args.random.replicates as usize,
+        replicates: args.random.replicates,
         seed: args.random.seed,
     })
 }

@@ -14,7 +14,9 @@ use crate::material::Curve;
 use crate::material::file::of_document;
 use crate::record::store::ResultFile;
 use crate::report::{self, plot};
-use crate::study::invert::{Interval, MaterialText, MeasuredKnot, WavePoint, against, extended, material_text};
+use crate::study::invert::{
+    Interval, MaterialText, MeasuredKnot, REPLICATES, SEED, WavePoint, against, extended, material_text,
+};
 use crate::units::{Dimension, Scale, System, format as with_unit, in_units};
 
 /// Where results go.
@@ -53,10 +55,10 @@ pub(super) struct Waves<'a> {
 #[derive(Debug, clap::Args)]
 pub(super) struct Random {
     /// Bootstrap replicates for the 95 % intervals.
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(20..=100_000))]
-    pub(super) replicates: u32,
+    #[arg(long, value_name = "N", default_value_t = REPLICATES)]
+    pub(super) replicates: usize,
     /// Seed of the random numbers.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = SEED)]
     pub(super) seed: u64,
     /// Add normally distributed noise to the measured strains, with a standard deviation of this fraction of the largest strain of each record, e.g. "1 %", to assess a planned test.
     #[arg(long, value_name = "PART", value_parser = quantity::not_negative(Dimension::None))]

@@ -325,8 +325,7 @@ fn how(args: &Args) -> Result<Reduce> {
         toe,
         window,
         tolerance: args.tolerance,
-        stress_step: 0.0,
-        strain_step: 0.0,
+        ..Reduce::default()
     };
     how.check()?;
     Ok(how)
@@ -483,7 +482,7 @@ fn kept_rows(record: &Record) -> Result<Vec<(f64, f64)>> {
     let rows = magnitudes(&record.rows);
     material::Curve::new(&rows, Beyond::Error).map_err(|e| {
         let help = "rows are strain, stress; the first row is (0, 0) or omitted; longer records may contain unloading";
-        record.error(e.row, e.to_string()).allowed("finite, not negative, strain increasing from row to row").help(help)
+        record.error(e.row, e.to_string()).allowed(material::CurveError::ALLOWED).help(help)
     })?;
     Ok(rows)
 }

@@ -18,7 +18,7 @@ use super::curve::{Integrated, WavePoint, bounds, integrate, points, unknown_sta
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
 use super::records::{Record, Recording};
-use super::setup;
+use super::setup::{self, REPLICATES, SEED};
 use super::table::Table;
 use super::zero::Zeroed;
 use crate::error::{InputError, Result};
@@ -27,7 +27,7 @@ use crate::material::Sense;
 use crate::study::random::standard_normal;
 use crate::units::Dimension;
 
-/// What is known beside the arrivals, and how to treat them.
+/// What is known beside the arrivals, and how to treat them. The density has to be given: by default it is NaN, which is refused.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// kg/m^3.
@@ -44,15 +44,32 @@ pub struct Options {
     pub position_error: f64,
     /// Standard error of single arrival times, s; from their scatter where it is not given.
     pub time_error: Option<f64>,
-    /// Bootstrap replicates.
+    /// Bootstrap replicates, 20 to 100 000.
     pub replicates: usize,
     /// Of the random numbers.
     pub seed: u64,
 }
 
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            density: f64::NAN,
+            modulus: None,
+            length: None,
+            start: 0.0,
+            centred: false,
+            position_error: 0.0,
+            time_error: None,
+            replicates: REPLICATES,
+            seed: SEED,
+        }
+    }
+}
+
 impl Options {
     fn check(&self) -> Checked {
         positive([("density", self.density, Dimension::Density)])?;
+        setup::check_replicates(self.replicates)?;
         optional("modulus", self.modulus, Dimension::Stress, Allowed::Positive)?;
         optional("length", self.length, Dimension::Length, Allowed::Positive)?;
         member("start", self.start, Dimension::Time, Allowed::Finite)?;

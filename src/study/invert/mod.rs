@@ -23,6 +23,7 @@ mod zero;
 pub use curve::{Interval, WavePoint};
 pub use material::{MaterialText, MeasuredKnot, extended, from_waves, material_text, with_elastic_part};
 pub use records::{Record, Recording};
+pub use setup::{REPLICATES, SEED};
 
 use crate::material::Curve;
 

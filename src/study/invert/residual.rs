@@ -21,7 +21,7 @@ use super::curve::{Bounds, Integrated, Interval, WavePoint, bounds, integrate, p
 use super::given::turns_back;
 use super::isotonic::{first_reach, non_decreasing};
 use super::noise::Noise;
-use super::setup::{self, Segment};
+use super::setup::{self, REPLICATES, SEED, Segment};
 use super::table::Table;
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Checked, equally_long, finite, member, optional, positive};
@@ -72,7 +72,7 @@ pub struct Test {
     pub notes: Vec<String>,
 }
 
-/// What is known beside the profile.
+/// What is known beside the profile. Time, velocity, density and modulus have to be given: by default they are NaN, which is refused.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// What the profile holds.
@@ -93,16 +93,35 @@ pub struct Options {
     pub length: Option<f64>,
     /// Pa; from the impact velocity where it is not given.
     pub yield_stress: Option<f64>,
-    /// Bootstrap replicates.
+    /// Bootstrap replicates, 20 to 100 000.
     pub replicates: usize,
     /// Of the random numbers.
     pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            state: State::Released,
+            time: f64::NAN,
+            velocity: f64::NAN,
+            velocity_error: 0.0,
+            position_error: 0.0,
+            density: f64::NAN,
+            modulus: f64::NAN,
+            length: None,
+            yield_stress: None,
+            replicates: REPLICATES,
+            seed: SEED,
+        }
+    }
 }
 
 impl Options {
     fn check(&self) -> Checked {
         positive([("time", self.time, Dimension::Time), ("velocity", self.velocity, Dimension::Velocity)])?;
         positive([("density", self.density, Dimension::Density), ("modulus", self.modulus, Dimension::Stress)])?;
+        setup::check_replicates(self.replicates)?;
         member("velocity_error", self.velocity_error, Dimension::Velocity, Allowed::NotNegative)?;
         member("position_error", self.position_error, Dimension::Length, Allowed::NotNegative)?;
         optional("length", self.length, Dimension::Length, Allowed::Positive)?;

@@ -3,7 +3,22 @@
 use serde_json::Value;
 
 use crate::error::{InputError, Result};
+use crate::input::{Allowed, Checked, member};
 use crate::record::store::{Metadata, ResultFile};
+use crate::units::Dimension;
+
+/// Bootstrap replicates by default.
+pub const REPLICATES: usize = 200;
+/// Seed of the random numbers by default.
+pub const SEED: u64 = 1;
+
+/// Fewer replicates give no 95 % interval.
+const ALLOWED_REPLICATES: Allowed = Allowed::Within(20.0, 1e5);
+
+/// The number of bootstrap replicates.
+pub(super) fn check_replicates(count: usize) -> Checked {
+    member("replicates", count as f64, Dimension::None, ALLOWED_REPLICATES)
+}
 
 /// One segment of the bar.
 #[derive(Debug, Clone)]

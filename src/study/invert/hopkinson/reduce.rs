@@ -27,7 +27,18 @@ pub struct Options {
     pub poisson: f64,
 }
 
+impl Default for Options {
+    fn default() -> Self {
+        Self { window: None, limit: None, equilibrium: Self::EQUILIBRIUM, poisson: Self::POISSON }
+    }
+}
+
 impl Options {
+    /// By default, forces on the two faces that differ by no more than this part of their mean count as in equilibrium.
+    pub const EQUILIBRIUM: f64 = 0.1;
+    /// By default, Poisson's ratio of the bars: that of steel.
+    pub const POISSON: f64 = 0.29;
+
     fn check(&self) -> Checked {
         optional("window", self.window, Dimension::Time, Allowed::Positive)?;
         optional("limit", self.limit, Dimension::Time, Allowed::NotNegative)?;

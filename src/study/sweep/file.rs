@@ -7,18 +7,18 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::axis::{Axis, MOST_VALUES, RANDOM, Values};
+use super::axis::{Axis, RANDOM, Values};
 use super::names::unknown;
 use super::plan::{Combine, Plan};
 use crate::error::{Error, InputError, Result};
-use crate::input::{Document, GivenKey};
+use crate::input::{Checked, Document, GivenKey};
 use crate::record::store::checksum;
 use crate::scene::{Problem, Template};
 use crate::text_file;
 use crate::units::Dimension;
 
-/// Most cases of a sweep.
-const MOST_CASES: usize = 10 * MOST_VALUES;
+/// Bytes of a text.
+type Span = std::ops::Range<usize>;
 
 /// A sweep as read.
 #[derive(Debug, Clone)]
@@ -82,20 +82,18 @@ impl Sweep {
         let scene = path.parent().unwrap_or(Path::new("")).join(raw.sweep.scene.get_ref());
         let document = Document::read(&scene).map_err(|e| beside(e, file, &raw.sweep.scene))?;
         let name = path.file_stem().map_or_else(|| "sweep".into(), |stem| stem.to_string_lossy().into_owned());
-        if document.parsed().is_ok_and(|scene| scene.has("bar")) {
-            check_metrics(file, &raw.sweep.metrics)?;
-        }
+        let spans: Vec<Span> = raw.sweep.metrics.iter().map(Spanned::span).collect();
         let metrics = raw.sweep.metrics.into_iter().map(Spanned::into_inner).collect();
         let axes = axes(file, &places, &raw.axes)?;
-        let sweep = Self::of_scene(name, document, &scene, axes, raw.sweep.combine, metrics, raw.sweep.fields)?;
-        check_counts(file, &sweep.plan)?;
-        Ok(sweep)
+        Self::of_scene(name, document, &scene, axes, raw.sweep.combine, metrics, raw.sweep.fields)
+            .map_err(|error| in_file(error, file, &spans))
     }
 
     /// A sweep of a scene that has been read, along axes of as many values each where they are combined by "zip".
     ///
     /// # Errors
-    /// An [`InputError`] where the text is no scene.
+    /// Input errors only: a text that is no scene; a metric that no bar has; no axes, an axis without values, two axes of one key, axes of
+    /// unequal length that are combined by "zip", too many cases.
     pub fn of_scene(
         name: String,
         document: Document,
@@ -105,10 +103,14 @@ impl Sweep {
         metrics: Vec<String>,
         fields: Vec<String>,
     ) -> Result<Self> {
+        if document.parsed().is_ok_and(|scene| scene.has("bar")) {
+            check_metrics(&metrics)?;
+        }
         let scene_text = checksum(&document.text);
         let template = Template::new(document, scene.to_owned())?;
         let title = template.title();
         let mut plan = Plan { program: program(), title, scene: scene_text, files: 0, axes, combine, metrics, fields };
+        plan.check()?;
         state_units(&mut plan, &template);
         plan.files = checksum_of_files(&plan, &template);
         Ok(Self { name, plan, template })
@@ -127,7 +129,7 @@ impl Sweep {
 fn state_units(plan: &mut Plan, template: &Template) {
     let is_plain = |axis: &Axis| axis.unit.is_empty() && axis.levels.iter().all(|level| level.si.is_some());
     let plain: Vec<usize> = (0..plan.axes.len()).filter(|&k| is_plain(&plan.axes[k])).collect();
-    if plain.is_empty() || plan.axes.iter().any(|axis| axis.levels.is_empty()) {
+    if plain.is_empty() {
         return;
     }
     let keys: Vec<&str> = plain.iter().map(|&k| plan.axes[k].key.as_str()).collect();
@@ -184,43 +186,29 @@ fn axes(file: &Document, places: &[GivenKey], values: &toml::Table) -> Result<Ve
 }
 
 /// Refuses names that no bar has, before hours of computing.
-fn check_metrics(file: &Document, metrics: &[Spanned<String>]) -> Result<()> {
-    for metric in metrics {
-        if let Some(help) = unknown(metric.get_ref()) {
-            let message = format!("unknown metric `{}`", metric.get_ref());
-            return Err(file.error(metric.span(), "sweep.metrics", message).help(help).into());
+fn check_metrics(metrics: &[String]) -> Checked {
+    for (k, metric) in metrics.iter().enumerate() {
+        if let Some(help) = unknown(metric) {
+            let error = InputError::new(format!("unknown metric `{metric}`"));
+            return Err(error.key(format!("{METRICS}{k}")).help(help));
         }
     }
     Ok(())
 }
 
-fn check_counts(file: &Document, plan: &Plan) -> Result<()> {
-    let wrong = |key: &str, message: String, help: &str| -> Result<()> {
-        Err(file.error(file.span_of(key).unwrap_or(0..0), key, message).help(help).into())
+/// What the number of a metric follows in the keys of errors.
+const METRICS: &str = "metrics.";
+
+/// An error of axes and metrics with its place in the file; `metrics` are those of the metrics.
+fn in_file(error: Error, file: &Document, metrics: &[Span]) -> Error {
+    let Error::Input(error) = error else { return error };
+    let metric = error.key.strip_prefix(METRICS).and_then(|k| metrics.get(k.parse::<usize>().ok()?));
+    let (key, span) = match (metric, error.key.as_str()) {
+        (Some(span), _) => ("sweep.metrics", Some(span.clone())),
+        (None, "combine") => ("sweep.combine", file.span_of("sweep.combine")),
+        (None, key) if key.starts_with("axes") => ("axes", file.span_of("axes")),
+        _ => return error.into(),
     };
-    if plan.axes.is_empty() {
-        return wrong(
-            "axes",
-            "there are no axes".into(),
-            "add [axes] with the keys that vary, such as \"left.value\" = [-10, -20]",
-        );
-    }
-    let lengths: Vec<usize> = plan.axes.iter().map(|axis| axis.levels.len()).collect();
-    if plan.combine == Combine::Zip
-        && let Some(k) = lengths.iter().position(|&length| length != lengths[0])
-    {
-        let message = format!(
-            "axes that are combined by \"zip\" need equal numbers of values: {} has {}, {} has {}",
-            plan.axes[0].key, lengths[0], plan.axes[k].key, lengths[k]
-        );
-        return wrong("sweep.combine", message, "give them as many values, or use combine = \"product\"");
-    }
-    match plan.count() {
-        Some(cases) if cases <= MOST_CASES => Ok(()),
-        _ => {
-            let error =
-                InputError::new("the sweep has too many cases").key("axes").allowed(format!("cases <= {MOST_CASES}"));
-            Err(error.help("use fewer values, or random samples combined by \"zip\"").into())
-        }
-    }
+    let of_file = file.error(span.unwrap_or(0..0), key, error.message);
+    of_file.allowed(error.allowed).help(error.help).into()
 }

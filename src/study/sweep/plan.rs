@@ -5,8 +5,12 @@ use std::collections::BTreeSet;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::axis::{Axis, Level};
+use super::axis::{Axis, Level, MOST_VALUES};
 use crate::error::{InputError, Result};
+use crate::input::Checked;
+
+/// Most cases of a sweep.
+const MOST_CASES: usize = 10 * MOST_VALUES;
 
 /// How axes are combined.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -42,6 +46,37 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Refuses axes that give no cases, or not each its own.
+    pub(super) fn check(&self) -> Checked {
+        let axes = &self.axes;
+        if axes.is_empty() {
+            let help = "add [axes] with the keys that vary, such as \"left.value\" = [-10, -20]";
+            return Err(InputError::new("there are no axes").key("axes").help(help));
+        }
+        if let Some(k) = axes.iter().position(|axis| axis.levels.is_empty()) {
+            let error = InputError::new(format!("the axis {} has no values", axes[k].key));
+            return Err(error.key(format!("axes.{k}.levels")).allowed("at least one value").help("add values"));
+        }
+        if let Some(k) = (1..axes.len()).find(|&k| axes[..k].iter().any(|other| other.key == axes[k].key)) {
+            let error = InputError::new(format!("there are two axes of {}", axes[k].key)).key("axes");
+            return Err(error.allowed("one axis for a key").help("put all values into one axis"));
+        }
+        if self.combine == Combine::Zip
+            && let Some(other) = axes.iter().find(|axis| axis.levels.len() != axes[0].levels.len())
+        {
+            let [first, other] = [&axes[0], other].map(|axis| format!("{} has {}", axis.key, axis.levels.len()));
+            let message = format!("axes that are combined by \"zip\" need equal numbers of values: {first}, {other}");
+            let error = InputError::new(message).key("combine");
+            return Err(error.help("give them as many values, or use combine = \"product\""));
+        }
+        if self.count().is_some_and(|cases| cases <= MOST_CASES) {
+            return Ok(());
+        }
+        let error =
+            InputError::new("the sweep has too many cases").key("axes").allowed(format!("cases <= {MOST_CASES}"));
+        Err(error.help("use fewer values, or random samples combined by \"zip\""))
+    }
+
     /// Number of cases; none where they are more than a computer can count.
     pub(super) fn count(&self) -> Option<usize> {
         let lengths = self.axes.iter().map(|axis| axis.levels.len());

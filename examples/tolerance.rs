@@ -15,7 +15,7 @@ use std::time::Instant;
 use barwave::record::Summary;
 use barwave::run;
 use barwave::scene::Method;
-use barwave::study::cost::{Cost, CostToTolerance, Hooks, Whole, cost};
+use barwave::study::cost::{Cost, CostToTolerance, Hooks, cost};
 use known::{Known, held_out, known};
 
 /// Tolerances of the free choice, and of a scheme that has to do it alone.
@@ -29,11 +29,10 @@ const LONG: f64 = 0.3;
 /// The study of a scene, without whole processes.
 fn study(case: &Known, budget: f64) -> Option<Cost> {
     let scene = case.scene("");
-    let mut whole = |_: &[String], _: f64| Whole::Failed("not wanted".into());
     let mut hooks = Hooks {
         budget,
         measure: barwave::record::Measure::Field,
-        whole: &mut whole,
+        whole: None,
         progress: &mut |_, _| ControlFlow::Continue(()),
     };
     (budget > 0.0).then(|| cost(&scene, &mut hooks).ok()).flatten()

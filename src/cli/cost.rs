@@ -103,7 +103,7 @@ fn study(args: &Args) -> Result<()> {
         bar.set_message(what.to_owned());
         if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let found = cost(&scene, &mut Hooks { budget, measure, whole: &mut whole, progress: &mut progress });
+    let found = cost(&scene, &mut Hooks { budget, measure, whole: Some(&mut whole), progress: &mut progress });
     bar.finish_and_clear();
     let found = found.inspect_err(explain_interruption)?;
     if let (Some(path), Some(kind)) = (args.output.as_deref(), kind) {

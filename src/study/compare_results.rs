@@ -131,6 +131,11 @@ impl Grid {
     }
 }
 
+/// Rounding of times that scenes give in other units: so much in frames up to `last` (s).
+fn slack(last: f64) -> f64 {
+    1e-9 * last.abs()
+}
+
 fn common(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0].max(b[0]), a[1].min(b[1])]
 }
@@ -154,8 +159,7 @@ pub fn compare_results(files: &[ResultFile]) -> Result<Vec<Difference>> {
 fn difference(first: &ResultFile, other: &ResultFile) -> Result<Difference> {
     let (a, b) = (Grid::of(first)?, Grid::of(other)?);
     let (x_m, time_s) = (common(a.bar(), b.bar()), common(a.span(), b.span()));
-    // Rounding of times that scenes give in other units.
-    let slack = 1e-9 * a.span()[1].abs();
+    let slack = slack(a.span()[1]);
     let columns: Vec<usize> = (0..a.x.len()).filter(|&i| (x_m[0]..=x_m[1]).contains(&a.x[i])).collect();
     let rows: Vec<usize> =
         (0..a.time.len()).filter(|&k| (time_s[0] - slack..=time_s[1] + slack).contains(&a.time[k])).collect();
@@ -223,12 +227,20 @@ fn apart(value: f64, list: &[f64]) -> f64 {
     near.map(|other| (other - value).abs()).fold(f64::INFINITY, f64::min)
 }
 
-/// A field along the bar at a time (s), interpolated between the frames as in comparisons.
+/// A field along the bar at a time (s) between its first and last frame, interpolated between the frames as in comparisons.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// A time without frames around it; a file that cannot be read.
 pub fn profile_at(file: &ResultFile, field: Field, time: f64) -> Result<Vec<f64>> {
-    let at = Between::of(&file.time()?, time);
+    let times = file.time()?;
+    let [first, last] = [times.first(), times.last()].map(|end| end.copied().unwrap_or(f64::NAN));
+    let slack = slack(last);
+    if !(first - slack..=last + slack).contains(&time) {
+        let error = InputError::new(format!("{time:e} s is not among the frames")).key("time");
+        let allowed = format!("{first:e} s <= time <= {last:e} s");
+        return Err(error.allowed(allowed).help("give a time from the first to the last frame").into());
+    }
+    let at = Between::of(&times, time);
     let frames = file.field(field, at.low..at.low + at.step + 1)?;
     let pair = frames.row(0).iter().zip(frames.row(at.step)).map(|(a, b)| at.mean(*a, *b)).collect();
     Ok(pair)

@@ -5,7 +5,7 @@ use super::points::CostPoint;
 use super::reference::Reference;
 use super::refinement::{Halt, Ran, Runner, Spent};
 use super::source::{Family, Resolution, Source};
-use super::{Instants, Whole};
+use super::{Instants, Whole, WholeRun};
 use crate::scene::Scene;
 use crate::solver::moc::FrontTracking;
 use crate::study::plan;
@@ -16,7 +16,7 @@ pub(super) struct Bench<'a> {
     pub families: &'a [Family],
     pub reference: &'a Reference,
     pub instants: &'a Instants,
-    pub whole: &'a mut dyn FnMut(&[String], f64) -> Whole,
+    pub whole: Option<WholeRun<'a>>,
     pub watch: Watch<'a>,
     pub points: Vec<Vec<CostPoint>>,
 }
@@ -76,12 +76,13 @@ impl Runner for Bench<'_> {
 }
 
 impl Bench<'_> {
-    /// Median time of the whole process, s; none where it takes too long or stops.
+    /// Median time of the whole process, s; none where it takes too long or stops, or is not asked for.
     fn whole(&mut self, overrides: &[String]) -> Result<Option<f64>, Halt> {
+        let Some(run) = &mut self.whole else { return Ok(None) };
         let mut times: Vec<f64> = Vec::new();
         while times.len() < WHOLE_REPEATS && times.iter().all(|t| *t < SHORT_WHOLE) {
             self.watch.look()?;
-            match (self.whole)(overrides, self.watch.until - self.watch.now()) {
+            match run(overrides, self.watch.until - self.watch.now()) {
                 Whole::Took(seconds) => times.push(seconds),
                 Whole::Interrupted => return Err(Halt::Interrupted),
                 Whole::OutOfTime | Whole::Failed(_) => break,

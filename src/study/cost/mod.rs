@@ -67,14 +67,17 @@ pub enum Whole {
     Failed(String),
 }
 
+/// Runs a scene with overrides in a separate process, with a time limit, s.
+pub type WholeRun<'a> = &'a mut dyn FnMut(&[String], f64) -> Whole;
+
 /// What the caller of a study provides.
 pub struct Hooks<'a> {
     /// Time budget of the study, s, > 0.
     pub budget: f64,
     /// Quantity whose error is measured.
     pub measure: Measure,
-    /// Runs the scene with these overrides in a separate process, with this time limit, s.
-    pub whole: &'a mut dyn FnMut(&[String], f64) -> Whole,
+    /// Runs the scene with these overrides in a separate process, with this time limit, s; none: whole runs are not timed.
+    pub whole: Option<WholeRun<'a>>,
     /// Called with the current activity and the elapsed time, s; `Break` stops the study.
     pub progress: &'a mut dyn FnMut(&str, f64) -> ControlFlow<()>,
 }
@@ -120,7 +123,7 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
         families: &families,
         reference: &reference,
         instants: &instants,
-        whole: &mut *hooks.whole,
+        whole: hooks.whole.as_mut().map(|whole| &mut **whole as WholeRun<'_>),
         watch,
         points: vec![Vec::new(); families.len()],
     };

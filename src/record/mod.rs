@@ -188,14 +188,14 @@ pub struct Frame {
     pub rows: Vec<Vec<f64>>,
 }
 
-/// A history at one place; every column has one value a row of `time`.
+/// A history at one place; a column has one value a row of `time`, or is empty.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
     /// s.
     pub time: Vec<f64>,
     /// Pa.
     pub stress: Vec<f64>,
-    /// Engineering strain (left empty for the ends).
+    /// Engineering strain; empty for the ends.
     pub strain: Vec<f64>,
     /// m/s.
     pub velocity: Vec<f64>,

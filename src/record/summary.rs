@@ -49,7 +49,7 @@ pub struct Summary {
     pub torsion: Option<TorsionSummary>,
     /// Fronts.
     pub fronts: Vec<FrontSummary>,
-    /// Of the struck material; null where the data hold none.
+    /// Of the struck material, m/s; null where the data hold none.
     #[serde(rename = "critical_velocity_m_s")]
     pub critical_velocity: Option<f64>,
     /// The imposed velocity is more than the bar can carry away.
@@ -72,7 +72,7 @@ pub struct Summary {
     /// What `effects = "auto"` chose, and why; left out where the scene names its effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auto: Option<Vec<AutoChoice>>,
-    /// Largest rise in temperature at the end; left out without the effect of heat.
+    /// Largest rise in temperature at the end, K; left out without the effect of heat.
     #[serde(rename = "largest_temperature_rise_K", skip_serializing_if = "Option::is_none")]
     pub temperature_rise: Option<f64>,
     /// Neglected effects.
@@ -103,7 +103,7 @@ pub struct AutoChoice {
 pub struct TrackingSummary {
     /// Smallest stress jump that is tracked as a front of its own, relative to `stress_scale`.
     pub front_tolerance: f64,
-    /// Largest stress that the scene's data can reach.
+    /// Largest stress that the scene's data can reach, Pa.
     #[serde(rename = "stress_scale_Pa")]
     pub stress_scale: f64,
     /// Fronts in the bar at the end.
@@ -199,15 +199,15 @@ pub struct RuptureSummary {
     pub time_s: f64,
     /// Where in the undeformed bar.
     pub x_m: f64,
-    /// Stress there as it broke.
+    /// Stress there as it broke, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
     /// Nominal strain there.
     pub strain: f64,
-    /// Energy that had been absorbed there per volume.
+    /// Energy that had been absorbed there, J/m^3.
     #[serde(rename = "absorbed_J_m3")]
     pub absorbed: f64,
-    /// Strain energy and plastic work of the whole bar just then (per m^2 where the scene gives no area).
+    /// Strain energy and plastic work of the whole bar just then, J (per m^2 where the scene gives no area).
     #[serde(rename = "bar_absorbed_J")]
     pub bar_absorbed: f64,
 }
@@ -242,13 +242,13 @@ pub struct FrontSummary {
     /// Pa.
     #[serde(rename = "stress_behind_Pa")]
     pub stress_behind: f64,
-    /// Theory.
+    /// By theory, m/s.
     #[serde(rename = "speed_m_s")]
     pub speed: f64,
-    /// Read off the field; null where it could not be followed.
+    /// Read off the field, m/s; null where it could not be followed.
     #[serde(rename = "speed_measured_m_s")]
     pub speed_measured: Option<f64>,
-    /// Last seen at; null where it never was.
+    /// Where it was last seen, m from the left end; null where it never was.
     #[serde(rename = "position_m")]
     pub position: Option<f64>,
     /// When that was.
@@ -258,10 +258,10 @@ pub struct FrontSummary {
 /// The elastic check, sigma = rho c0 v.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct ElasticCheck {
-    /// Simulated stress behind the front.
+    /// Simulated stress behind the front, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// rho c0 v with its sign.
+    /// rho c0 v with its sign, Pa.
     #[serde(rename = "expected_Pa")]
     pub expected: f64,
     /// |stress - expected| / |expected|.

@@ -68,7 +68,7 @@ pub struct Start {
     pub mass: f64,
 }
 
-/// Energies and momentum of a bar at a moment, and what its ends gave to it since the start.
+/// Energies (J) and momentum (N s) of a bar at a moment, and what its ends gave to it since the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Account {
     /// What is in the bar.

@@ -24,7 +24,7 @@ pub struct Solution {
     pub gauges: BTreeMap<String, Trace>,
     /// Places of the gauges, m from the left end, in the order of the scene.
     pub gauge_places: Vec<(String, f64)>,
-    /// Histories at the left and the right end, as those at gauges.
+    /// Histories of stress and velocity at the left and the right end; the other columns are empty.
     pub ends: [Trace; 2],
     /// Energies and momentum, a row a frame.
     pub ledger: Vec<LedgerRow>,

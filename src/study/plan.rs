@@ -43,7 +43,7 @@ pub struct Plan {
     pub field_bytes: usize,
     /// Fronts that the theory sends out at the start.
     pub fronts: Vec<FrontSummary>,
-    /// Of the struck material; null where the data hold none.
+    /// Of the struck material, m/s; null where the data hold none.
     #[serde(rename = "critical_velocity_m_s")]
     pub critical_velocity: Option<f64>,
     /// The scene drives the bar beyond it; not foreseen with an initial state.

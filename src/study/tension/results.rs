@@ -20,9 +20,9 @@ pub struct Point {
     pub status: &'static str,
     /// Why it was stopped or refused.
     pub reason: String,
-    /// Plastic elongation of all pieces over the gauge length; none where no fracture occurred.
+    /// Plastic elongation of all pieces, as a part of the gauge length; none where no fracture occurred.
     pub elongation: Option<f64>,
-    /// Energy absorbed by plastic flow and fracture; none where no fracture occurred.
+    /// Energy absorbed by plastic flow and fracture, J; none where no fracture occurred.
     #[serde(rename = "energy_absorbed_J")]
     pub energy: Option<f64>,
     /// First place of fracture, from the struck end.
@@ -51,7 +51,7 @@ pub struct Results {
     pub critical_velocity_m_s: f64,
     /// Plastic strain at the maximum of the curve.
     pub static_elongation: f64,
-    /// Largest elongation and its velocity.
+    /// Largest elongation, as a part of the gauge length, and its velocity.
     pub largest_elongation: Option<f64>,
     /// See `largest_elongation`.
     pub velocity_of_largest_elongation_m_s: Option<f64>,

@@ -55,6 +55,9 @@ const MOST_SHIFT: f64 = 3.0;
 
 /// The grid of a scene: about `cells` cells, Courant number `cfl`. Sharp waves cross a cell in a step where they can: by 1e-4 less, the scheme
 /// disperses them, by 10 % of their stress. Smooth waves do not need that, and are of second order without.
+///
+/// # Panics
+/// With a Courant number outside of 0 < cfl <= 1, which scenes cannot have.
 pub fn grid(scene: &Scene, cells: usize, cfl: f64) -> Grid {
     let grid = Grid::new(&scene.bar, cells, cfl);
     if cfl < 1.0 || !(scene.may_have_sharp_waves() || sudden_fans::rise_within_steps(scene, grid.dt)) {
@@ -73,6 +76,9 @@ pub fn grid_by_method(scene: &Scene) -> Option<Grid> {
 }
 
 /// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
+///
+/// # Panics
+/// With a Courant number outside of 0 < cfl <= 1, which scenes cannot have.
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
@@ -154,6 +160,9 @@ fn starts_on_curves(scene: &Scene) -> bool {
 }
 
 /// The conservative finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
+///
+/// # Panics
+/// With a Courant number outside of 0 < cfl <= 1, which scenes cannot have.
 pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();

@@ -95,21 +95,22 @@ impl History {
         Self { time: self.time.clone(), value: self.value.iter().map(|v| factor * v).collect() }
     }
 
-    /// The same with every value below `low` replaced by `low`, and above `high` by `high`; low <= high.
+    /// The same with every value below `low` replaced by `low`, and then above `high` by `high`; a limit that is NaN limits nothing.
     #[must_use]
     pub fn within(&self, [low, high]: [f64; 2]) -> Self {
         let (mut time, mut value) = (Vec::with_capacity(self.time.len()), Vec::with_capacity(self.time.len()));
+        let limited = |v: f64| v.max(low).min(high);
         for (k, (&t, &v)) in self.time.iter().zip(&self.value).enumerate() {
             if let Some((t0, v0)) = k.checked_sub(1).map(|k| (self.time[k], self.value[k])).filter(|(t0, _)| *t0 < t) {
                 let mut limits = [low, high].map(|limit| (t0 + (t - t0) * ((limit - v0) / (v - v0)), limit));
                 limits.sort_by(|a, b| a.0.total_cmp(&b.0));
                 for (crossing, limit) in limits.into_iter().filter(|(crossing, _)| t0 < *crossing && *crossing < t) {
                     time.push(crossing);
-                    value.push(limit);
+                    value.push(limited(limit));
                 }
             }
             time.push(t);
-            value.push(v.clamp(low, high));
+            value.push(limited(v));
         }
         Self { time, value }
     }

@@ -59,7 +59,7 @@ impl RunRecorder<'_> {
     /// Goes on after a checkpoint; `restored` tells whether the state of the run could be set.
     pub fn resume(&mut self, checkpoint: &Checkpoint, restored: snapshot::Result<()>) -> Result<()> {
         restored.map_err(|e| Error::file(Path::new(&self.output), e))?;
-        let before = Duration::from_secs_f64(checkpoint.wall_seconds);
+        let before = Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default();
         self.started = self.started.checked_sub(before).unwrap_or(self.started);
         Ok(())
     }

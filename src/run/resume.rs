@@ -42,11 +42,16 @@ pub fn resume(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
     let (scene, checkpoint, chosen) = read(output)?;
-    let every = every.unwrap_or(Duration::from_secs_f64(checkpoint.every));
+    let every = every.unwrap_or_else(|| interval(checkpoint.every));
     let target =
         Target { path: Some(output), every: Some(every), checkpoint: Some(checkpoint), chosen, ..Target::default() };
     // A run that finds an effect missing reads the scene again.
     text_file::stored(scene.files.clone(), || begin(&scene, target, progress))
+}
+
+/// The interval of a checkpoint; more seconds than a duration holds are as long as can be.
+fn interval(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
 }
 
 /// Scene and checkpoint of an unfinished result, and what was chosen.

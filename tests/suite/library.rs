@@ -17,7 +17,7 @@ use barwave::report::{self, Figure, PanelName};
 use barwave::run;
 use barwave::scene::{ImpactScene, Problem, Scene, SceneBuilder};
 use barwave::study::bracket::{RateAndHeat, apparent};
-use barwave::study::cost::{Hooks, Whole, cost};
+use barwave::study::cost::{Hooks, cost};
 use barwave::study::sweep::{self, Shard, Sweep};
 use hdf5::types::VarLenUnicode;
 
@@ -225,12 +225,8 @@ fn tables_of_laws_and_true_stresses_end_within_a_tolerance() {
 fn a_study_of_cost_needs_a_budget() {
     let scene = pulled().build().expect("a right scene");
     for budget in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
-        let mut hooks = Hooks {
-            budget,
-            measure: Measured::Field,
-            whole: &mut |_, _| Whole::Failed("not asked for".into()),
-            progress: &mut |_, _| ControlFlow::Break(()),
-        };
+        let mut hooks =
+            Hooks { budget, measure: Measured::Field, whole: None, progress: &mut |_, _| ControlFlow::Break(()) };
         assert_eq!(refused(cost(&scene, &mut hooks)).key, "budget");
     }
 }
@@ -316,9 +312,9 @@ fn errors_of_a_main_function_read_as_those_of_the_command_line() {
     }
     assert!(!error.to_string().contains('\n'));
     let history = || -> Result<History> { Ok(History::new(&[(0.0, 1.0), (1e-3, f64::NAN)])?) };
-    assert_eq!(history().expect_err("no number").to_string(), "row 2 is not finite");
+    assert_eq!(history().expect_err("no number").to_string(), "`rows`: row 1 (counted from 0) is not finite");
     let curve = || -> Result<Curve> { Ok(Curve::new(&[(0.0, 0.0), (0.2, 5e8), (0.1, 6e8)], Beyond::Extend)?) };
-    assert!(curve().expect_err("strains that fall").text().starts_with("row 3: "));
+    assert!(curve().expect_err("strains that fall").text().contains("row 2 (counted from 0): "));
 }
 
 #[test]

@@ -47,6 +47,7 @@ mod kinematic;
 mod later_loads;
 mod laws;
 mod library;
+mod library_limits;
 mod magnitudes;
 mod material_files;
 mod moc_against_fd;

@@ -65,13 +65,21 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Shares about `cells` cells out over the bar, see `sharing`; the time step is `cfl` times the shortest transit of a cell.
+    /// Shares about `cells` cells out over the bar, see `sharing`; the time step is `cfl` times the shortest transit of a cell, 0 < cfl <= 1: no
+    /// explicit scheme is stable above.
+    ///
+    /// # Panics
+    /// With another Courant number.
     pub fn new(bar: &Bar, cells: usize, cfl: f64) -> Self {
         Self::with_counts(bar, &share_out(&bar.transit_times(), cells), cfl)
     }
 
     /// With these numbers of cells of the segments; the time step likewise.
+    ///
+    /// # Panics
+    /// Likewise.
     pub fn with_counts(bar: &Bar, counts: &[usize], cfl: f64) -> Self {
+        assert!(cfl > 0.0 && cfl <= 1.0, "the Courant number is {cfl}; 0 < cfl <= 1");
         let mut segments = Vec::with_capacity(bar.segments.len());
         let (mut first, mut x0, mut dt) = (0, 0.0, f64::INFINITY);
         for (segment, count) in bar.segments.iter().zip(counts) {

@@ -175,11 +175,13 @@ impl FrontTracking {
         }
     }
 
-    /// Follows the fronts up to and including `until` (s).
+    /// Follows the fronts up to and including `until` (s); not at all where that is NaN.
     ///
     /// # Errors
     /// [`Stopped::EventBudget`] with the bar standing at the time reached; [`Stopped::NotANumber`]; [`Stopped::AtLimit`].
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
+        // No event comes after a time that is no number.
+        let until = if until.is_nan() { self.now } else { until };
         loop {
             self.limits.check(until)?;
             let interaction = self.next_interaction();

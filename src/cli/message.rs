@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{output, settings};
+use super::{options, output, settings};
 use crate::error::Error;
 use crate::error::text::{Paint, column, lines};
 
@@ -84,16 +84,19 @@ impl From<&Error> for Details {
         let some = |text: &str| (!text.is_empty()).then(|| text.to_owned());
         let kind = |kind| Self { message: error.to_string(), ..Self::of_kind(kind, error.exit_code()) };
         match error {
-            Error::Input(input) => Self {
-                message: input.message.clone(),
-                key: some(&input.key),
-                file: input.place.as_ref().map(|place| place.file.clone()),
-                line: input.place.as_ref().map(|place| place.line()),
-                column: input.place.as_ref().map(|place| column(place) + 1),
-                allowed: some(&input.allowed),
-                help: some(&input.help),
-                ..kind("input")
-            },
+            Error::Input(input) => {
+                let input = options::worded(input);
+                Self {
+                    message: input.message.clone(),
+                    key: some(&input.key),
+                    file: input.place.as_ref().map(|place| place.file.clone()),
+                    line: input.place.as_ref().map(|place| place.line()),
+                    column: input.place.as_ref().map(|place| column(place) + 1),
+                    allowed: some(&input.allowed),
+                    help: some(&input.help),
+                    ..kind("input")
+                }
+            }
             Error::Run(run) => Self {
                 message: run.reason.clone(),
                 time_s: Some(run.time),
@@ -114,9 +117,11 @@ impl From<&Error> for Details {
 }
 
 fn render(error: &Error, paint: Paint) -> String {
+    let of = |error: &Error| format!("{}: {}", paint.red("error"), lines(error, paint));
     match error {
         // No error: the command that was interrupted has said what it leaves behind.
         Error::Interrupted => String::new(),
-        _ => format!("{}: {}", paint.red("error"), lines(error, paint)),
+        Error::Input(input) => of(&options::worded(input).into()),
+        _ => of(error),
     }
 }

@@ -79,7 +79,7 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
     if let Some(path) = &args.resume {
         nothing_beside_resume(args)?;
         let ended = show(args, path, |progress| run::resume(path, every, progress)).map(|()| 0);
-        return ended.map_err(|error| options::name(error, &[("every", "--checkpoint", "e.g. --checkpoint 60s")]));
+        return ended.map_err(|error| options::name(error, &[("output", "--checkpoint", "e.g. --checkpoint 60s")]));
     }
     if let [file] = &args.scenes[..] {
         return run_file(args, file, every, &mut Vec::new()).map(|()| 0);

@@ -130,7 +130,7 @@ pub fn matching(pattern: &str, base_dir: &Path) -> Result<Vec<String>> {
     found.retain(|name| wild.matches(name));
     if found.is_empty() {
         let error = InputError::new(format!("no material matches `{pattern}`")).key("material");
-        return Err(error.help("`barwave materials` lists them").into());
+        return Err(error.help("`material::library::names` lists them").into());
     }
     Ok(found)
 }
@@ -152,8 +152,8 @@ fn unknown(name: &str, base_dir: &Path) -> InputError {
     let mut known: Vec<&str> = names().chain(ALIASES.iter().map(|(alias, _)| *alias)).collect();
     known.extend(user.iter().map(String::as_str));
     let help = match nearest(name, known) {
-        Some(near) => format!("did you mean `{near}`? `barwave materials` lists them"),
-        None => "`barwave materials` lists them; a path to a material file ends in .toml".into(),
+        Some(near) => format!("did you mean `{near}`? `material::library::names` lists them"),
+        None => "`material::library::names` lists them; a path to a material file ends in .toml".into(),
     };
     error.help(help)
 }

@@ -68,7 +68,7 @@ fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
         let name = checkpoint_path(&place).display().to_string();
         let message = format!("there is no checkpoint to resume from (`{name}`)");
         let error = wrong(output, &message, "run its scene again, with checkpoints to be able to resume it");
-        return Err(error.key("every").into());
+        return Err(error.key("output").into());
     };
     if checkpoint.run_id != file.run_id() {
         let message = format!("`{}` is the checkpoint of another run", checkpoint_path(&place).display());

@@ -37,6 +37,7 @@ pub use damping::Damping;
 pub use discretized::{MOST_PIECES, TaperDiscretization};
 pub use effects::{Effects, HardeningRule, Heat, Rate, Rupture};
 pub use impacts::{ImpactScene, KINDS, Kind};
+pub use overrides::CHANGES;
 use overrides::Overrides;
 pub use raw::{MOST_EVENTS, RawScene};
 
@@ -54,17 +55,17 @@ impl Problem {
     ///
     /// # Errors
     /// Input errors only: the first thing that is wrong, with its place.
-    pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
-        Self::of_document(&Document::read_scene(path)?, path, overrides)
+    pub fn read(path: &Path, changes: &[String]) -> Result<Self> {
+        Self::of_document(&Document::read_scene(path)?, path, changes)
     }
 
     /// Reads and checks a scene of any kind from text in memory, as [`Scene::parse`] does one with a bar.
     ///
     /// # Errors
     /// As for [`Problem::read`].
-    pub fn parse(name: &str, text: &str, base_dir: &Path, overrides: &[String]) -> Result<Self> {
+    pub fn parse(name: &str, text: &str, base_dir: &Path, changes: &[String]) -> Result<Self> {
         let document = Document::new(name, text);
-        let typed = Overrides::new(overrides)?;
+        let typed = Overrides::new(changes)?;
         let edited = typed.apply(&document)?;
         let source = Source { document: &document, edited: &edited, base: base_dir, typed: &typed };
         Self::of_source(source, None, impacts::kind(&document))
@@ -74,8 +75,8 @@ impl Problem {
     ///
     /// # Errors
     /// As for [`Problem::read`].
-    pub fn of_document(document: &Document, path: &Path, overrides: &[String]) -> Result<Self> {
-        let typed = Overrides::new(overrides)?;
+    pub fn of_document(document: &Document, path: &Path, changes: &[String]) -> Result<Self> {
+        let typed = Overrides::new(changes)?;
         let edited = typed.apply(document)?;
         let source = Source { document, edited: &edited, base: &folder(path), typed: &typed };
         Self::of_source(source, Some(path), impacts::kind(document))
@@ -185,7 +186,7 @@ pub struct SceneParts {
     pub path: Option<PathBuf>,
     /// The scene's exact text, as read.
     pub text: String,
-    /// Overrides (`--set`), as typed.
+    /// Changes of keys (on the command line `--set`), as typed.
     pub overrides: Vec<String>,
     /// The bar.
     pub bar: Bar,
@@ -392,14 +393,15 @@ impl Record {
 }
 
 impl Scene {
-    /// Reads and checks a scene file. `overrides` are `KEY=VALUE` texts, applied in order before anything is
+    /// Reads and checks a scene file. `changes` are `KEY=VALUE` texts, applied in order before anything is
     /// checked: a dotted key ("bar.segment.0.length"), and a value that is TOML or else text ("-40 m/s"); an empty
     /// value takes the key out.
     ///
     /// # Errors
-    /// Input errors only: the first thing that is wrong, with its place.
-    pub fn read(path: &Path, overrides: &[String]) -> Result<Self> {
-        Ok(Self::from_document(&Document::read_scene(path)?, &folder(path), overrides)?.at(path))
+    /// Input errors only: the first thing that is wrong, with its place in the file or, of a change, in [`CHANGES`]. A scene without a bar
+    /// is one for [`Problem::read`].
+    pub fn read(path: &Path, changes: &[String]) -> Result<Self> {
+        Ok(Self::from_document(&Document::read_scene(path)?, &folder(path), changes)?.at(path))
     }
 
     /// The same, read from this file.
@@ -418,15 +420,14 @@ impl Scene {
     ///
     /// # Errors
     /// As for [`Scene::read`].
-    pub fn parse(name: &str, text: &str, base_dir: &Path, overrides: &[String]) -> Result<Self> {
-        Self::from_document(&Document::new(name, text), base_dir, overrides)
+    pub fn parse(name: &str, text: &str, base_dir: &Path, changes: &[String]) -> Result<Self> {
+        Self::from_document(&Document::new(name, text), base_dir, changes)
     }
 
     fn from_document(original: &Document, base: &Path, typed: &[String]) -> Result<Self> {
         if let Some(kind) = impacts::kind(original) {
-            let message = format!("this command needs a scene with [bar], not [{}]", kind.key);
-            let help =
-                "`barwave run`, `plan` and `check` accept this scene; other commands need [bar], [left] and [right]";
+            let message = format!("this needs a scene with [bar], not [{}]", kind.key);
+            let help = "read it with `scene::Problem`, and solve it with `run::run_impact`";
             return Err(InputError::new(message).key(kind.key).help(help).into());
         }
         let overrides = Overrides::new(typed)?;

@@ -1,9 +1,12 @@
-//! `--set KEY=VALUE`: edits the text of the scene before it is read, so that all checks of the file apply.
+//! Changes of keys, `KEY=VALUE` (on the command line `--set`): edits the text of the scene before it is read, so that all checks of the file apply.
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Value};
 
 use crate::error::{Error, InputError, Place, Result};
 use crate::input::{DEPRECATED_KEYS, Document};
+
+/// The place of errors in the texts that change keys, `KEY=VALUE`, and the key of those that are none.
+pub const CHANGES: &str = "changes";
 
 /// One override, split.
 #[derive(Debug, Clone)]
@@ -78,9 +81,10 @@ pub(super) fn editable(document: &Document) -> Result<DocumentMut> {
 
 fn split(typed: &str) -> Result<Override> {
     let wrong = |message: &str| {
-        InputError::new(format!("--set {typed}: {message}"))
+        InputError::new(format!("{typed}: {message}"))
+            .key(CHANGES)
             .allowed("KEY=VALUE with a dotted key")
-            .help("write e.g. --set solve.cells=4000 or --set left.value=\"-40 m/s\"")
+            .help("write e.g. \"solve.cells=4000\" or \"left.value=-40 m/s\"")
     };
     let (key, value) = typed.split_once('=').ok_or_else(|| wrong("missing `=`"))?;
     let key: Vec<String> = key.trim().split('.').map(|part| part.trim().to_owned()).collect();
@@ -139,7 +143,7 @@ impl Override {
             _ if start < self.typed.len() => start..self.typed.len(),
             _ => 0..self.typed.len(),
         };
-        error.at(Place { file: "--set".into(), text: self.typed.as_str().into(), span })
+        error.at(Place { file: CHANGES.into(), text: self.typed.as_str().into(), span })
     }
 
     fn error(&self, message: String) -> InputError {

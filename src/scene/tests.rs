@@ -208,9 +208,9 @@ fn overrides_reach_into_lists() {
 #[test]
 fn errors_of_overrides_say_so() {
     let error = wrong(&base(""), &["solve.cfl=1.5"]);
-    assert_eq!(error.to_string(), "--set:1: `solve.cfl`: 1.5 is out of range (allowed: 0 < cfl <= 1)");
+    assert_eq!(error.to_string(), "changes:1: `solve.cfl`: 1.5 is out of range (allowed: 0 < cfl <= 1)");
     let error = wrong(&base(""), &["solve.cell=1000"]);
-    assert!(error.to_string().starts_with("--set:1: `solve.cell`: unknown key"), "{error}");
+    assert!(error.to_string().starts_with("changes:1: `solve.cell`: unknown key"), "{error}");
     let error = wrong(&base(""), &["solve.until.deep=1"]);
     assert!(error.message.contains("cannot be set inside"), "{error}");
     assert!(wrong(&base(""), &["solve.cfl"]).message.contains("missing `=`"));

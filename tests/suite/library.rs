@@ -358,3 +358,26 @@ fn files_of_impacts_spell_units_as_those_of_bars_and_name_each_material_once() {
     let name = stress.and_then(|stress| stress.attr("long_name")).and_then(|name| name.read_scalar::<VarLenUnicode>());
     assert_eq!(name.expect("a long name").as_str(), "magnitude of the engineering stress in compression");
 }
+
+#[test]
+fn errors_of_changes_are_in_the_words_of_the_library() {
+    let scene = pulled().build().expect("a right scene");
+    let error = refused(scene.with(&["left.value"]));
+    assert_eq!((error.key.as_str(), error.message.as_str()), ("changes", "left.value: missing `=`"));
+    let error = refused(scene.with(&["solve.until=-1"]));
+    assert_eq!((error.key.as_str(), error.place.expect("a place").file.as_str()), ("solve.until", "changes"));
+    let unknown = refused(library::find("copper", Path::new("")));
+    let impact = refused(Scene::parse("spheres.toml", SPHERES, Path::new(""), &[]));
+    for error in [unknown, impact] {
+        assert!(!format!("{error:?}").contains("barwave ") && !error.message.contains("command"), "{error:?}");
+    }
+}
+
+#[test]
+fn a_result_without_a_checkpoint_is_named_as_the_argument() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, scene) = (folder.path().join("out.h5"), pulled().set("solve.cells", 20_000).build().expect("right"));
+    let ended = run::run(&scene, Some(&path), &mut |_| ControlFlow::Break(()));
+    assert!(matches!(ended, Err(Error::Interrupted)));
+    assert_eq!(refused(run::resume(&path, None, &mut |_| ControlFlow::Continue(()))).key, "output");
+}

@@ -88,7 +88,7 @@ impl Checker<'_> {
         };
         let Some(choice) = piece.material else {
             let help = format!(
-                "add a material to `{key}`: a library name (see `barwave materials`), a path, or an inline table"
+                "add a material to `{key}`: a library name (see `material::library::names`), a path, or an inline table"
             );
             return Err(self.missing(span, &format!("{key}.material"), &help));
         };

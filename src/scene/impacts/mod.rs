@@ -58,7 +58,7 @@ pub struct ImpactScene {
     pub name: String,
     /// The scene's exact text, as read.
     pub text: String,
-    /// Overrides (`--set`), as typed.
+    /// Changes of keys (on the command line `--set`), as typed.
     pub overrides: Vec<String>,
     /// The impact.
     pub problem: Arc<dyn Problem>,

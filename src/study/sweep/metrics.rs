@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::plan::Plan;
 use crate::error::{Error, Result};
+use crate::scene::CHANGES;
 
 /// Keys of the summary that say nothing of the physics of a case: they differ from machine to machine, or are the same in every case.
 const LEFT_OUT: [&str; 9] =
@@ -66,7 +67,7 @@ impl Row {
             }
             Err(Error::Input(mut error)) => {
                 // A place in the value of an axis says no more than its key.
-                error.place = error.place.filter(|place| !place.file.starts_with("--set"));
+                error.place = error.place.filter(|place| place.file != CHANGES);
                 failed(Status::Refused, error.to_string())
             }
             Err(error @ (Error::Run(_) | Error::Checks(_))) => failed(Status::Stopped, error.to_string()),

@@ -30,7 +30,7 @@ impl Shard {
             return Ok(());
         }
         let error = InputError::new(format!("there is no shard {} of {}", self.index, self.count)).key("shard");
-        Err(error.allowed("1 <= index <= count").help(AS_TEXT))
+        Err(error.allowed("1 <= index <= count").help("number the shards from 1"))
     }
 
     /// The folder of its rows inside that of the sweep; none for all cases.

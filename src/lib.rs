@@ -113,6 +113,9 @@
 //! Stress is engineering (nominal) stress, tension positive; x is the Lagrangian coordinate from the left
 //! end; velocity is positive in +x; all values are in SI units.
 
+pub use ndarray;
+pub use toml;
+
 pub mod error;
 
 pub mod units;

@@ -19,6 +19,7 @@ mod row;
 mod scatter;
 mod softening;
 mod tabulate;
+mod to_table;
 mod torsion;
 
 use serde::{Deserialize, Serialize};

@@ -148,6 +148,15 @@ impl Rate {
         }
     }
 
+    /// The entry of the table `[rate]` of a material file; none where the law has no constants of its own.
+    pub(super) fn to_entry(self) -> Option<(String, toml::Value)> {
+        let (keys, values) = self.stated();
+        let constants =
+            keys.constants.iter().zip(values).map(|(constant, value)| (constant.key.to_owned(), value.into()));
+        let constants: toml::Table = constants.collect();
+        (!constants.is_empty()).then(|| (keys.name.to_owned(), constants.into()))
+    }
+
     /// As it is listed: "malvern k = 1e6 1/s".
     pub fn describe(self) -> String {
         let (keys, values) = self.stated();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
-use super::Scene;
+use super::{IntoValue, Scene};
 use crate::error::{InputError, Result};
 
 /// Keys of a scene with their values, as in a scene file and checked in the same way: numbers are SI, texts may carry a unit.
@@ -18,12 +18,13 @@ pub struct SceneBuilder {
 
 impl SceneBuilder {
     /// Sets a key by its path in the scene file, such as `bar.length` or `left.kind`; the tables on the way are made. What was there is
-    /// replaced. An item of a list that was set has its number, from 0, as for [`Scene::with`]: `bar.segment.0.length`.
+    /// replaced. An item of a list has its number, from 0, as for [`Scene::with`]: `bar.segment.0.length`; the key of a table with the next
+    /// number adds that to the list.
     #[must_use]
-    pub fn set(mut self, key: &str, value: impl Into<Value>) -> Self {
+    pub fn set(mut self, key: &str, value: impl IntoValue) -> Self {
         let parts: Vec<&str> = key.split('.').map(str::trim).collect();
         let [first, inside @ ..] = parts.as_slice() else { return self };
-        if let Err(why) = put(entry(&mut self.table, first), inside, value.into()) {
+        if let Err(why) = put(entry(&mut self.table, first), inside, value.into_value()) {
             self.blocked.get_or_insert_with(|| (key.to_owned(), why));
         }
         self
@@ -61,11 +62,19 @@ fn put(at: &mut Value, parts: &[&str], value: Value) -> std::result::Result<(), 
         *at = value;
         return Ok(());
     };
+    let of_table = !inside.is_empty();
+    if of_table && *part == "0" && at.as_table().is_some_and(Table::is_empty) {
+        *at = Value::Array(Vec::new());
+    }
     match at {
         Value::Table(table) => put(entry(table, part), inside, value),
         Value::Array(list) => {
             let count = list.len();
-            let item = part.parse().ok().and_then(|number: usize| list.get_mut(number));
+            let number = part.parse().unwrap_or(usize::MAX);
+            if of_table && number == count {
+                list.push(Value::Table(Table::new()));
+            }
+            let item = list.get_mut(number);
             let item = item.ok_or_else(|| format!("there is no item {part}: the list has {count}, counted from 0"))?;
             put(item, inside, value)
         }
@@ -103,5 +112,28 @@ mod tests {
         let listed = || pulled().set("record.times", vec![0.0, 1e-4]);
         assert!(message(listed().set("record.times.2", 1e-4)).contains("the list has 2"));
         assert_eq!(listed().set("record.times.0", 5e-5).build().expect("right").record.times, [5e-5, 1e-4]);
+        assert!(message(pulled().set("left.value", f64::NAN)).contains("`left.value`: NaN"));
+        assert!(message(pulled().set("solve.cells", usize::MAX)).contains("`solve.cells`"));
+    }
+
+    #[test]
+    fn lists_of_tables_grow_by_their_numbers() {
+        let scene = Scene::builder()
+            .set("bar.segment.0.length", 0.5)
+            .set("bar.segment.0.area", 1e-4)
+            .set("bar.segment.0.material", "mild-steel")
+            .set("bar.segment.1.length", 0.25)
+            .set("bar.segment.1.area", 2e-4)
+            .set("bar.segment.1.material", "mild-steel")
+            .set("left.kind", "velocity")
+            .set("left.history", [(0.0, -1.0), (1e-5, 0.0)])
+            .set("right.kind", "free")
+            .set("record.gauges.0", 0.1)
+            .set("solve.until", 1e-4);
+        let built = scene.clone().build().unwrap_or_else(|e| panic!("{e:?}"));
+        assert_eq!(built.bar.segments.iter().map(|s| s.length).collect::<Vec<_>>(), [0.5, 0.25]);
+        assert_eq!(built.record.gauges, [("0".to_owned(), 0.1)]);
+        let gap = scene.set("bar.segment.3.length", 0.5).build().expect_err("there is no third one");
+        assert!(gap.to_string().contains("the list has 2"), "{gap}");
     }
 }

@@ -1,7 +1,7 @@
 //! A scene with changed keys, to compare effects, methods or resolutions.
 
 use super::overrides::Overrides;
-use super::{Method, Scene, SceneParts, check};
+use super::{IntoValue, Method, Scene, SceneParts, check};
 use crate::error::Result;
 use crate::input::Document;
 
@@ -36,6 +36,25 @@ impl Scene {
         scene.parts.path.clone_from(&self.path);
         scene.parts.solve.estimate_error = self.solve.estimate_error;
         Ok(scene)
+    }
+
+    /// The same with one key changed to a value of a program.
+    ///
+    /// ```
+    /// use barwave::scene::Scene;
+    ///
+    /// # let scene = Scene::builder().set("bar.length", 1.0).set("bar.material", "mild-steel").set("left.kind", "velocity")
+    /// #     .set("left.value", -5.0).set("right.kind", "free").set("solve.until", 1e-4).build()?;
+    /// let scene = scene.with_value("record.times", [0.0, 5e-5, 1e-4])?;
+    /// let error = scene.with_value("bar.length", f64::NAN).unwrap_err();
+    /// assert!(error.to_string().contains("`bar.length`: NaN is not a finite number"), "{error}");
+    /// # Ok::<(), barwave::error::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As for [`Scene::read`].
+    pub fn with_value(&self, key: &str, value: impl IntoValue) -> Result<Self> {
+        self.with(&[format!("{key}={}", value.into_value())])
     }
 
     /// The scene whose run estimates its error, as with `--estimate-error`.

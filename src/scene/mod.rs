@@ -15,6 +15,7 @@ mod notes;
 mod overrides;
 mod raw;
 mod resolved;
+mod value;
 
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -40,6 +41,7 @@ pub use impacts::{ImpactScene, KINDS, Kind};
 pub use overrides::CHANGES;
 use overrides::Overrides;
 pub use raw::{MOST_EVENTS, RawScene};
+pub use value::IntoValue;
 
 /// The problem of a scene file.
 #[derive(Debug, Clone)]

@@ -15,10 +15,11 @@ use barwave::record::store::{ResultFile, StoredScene};
 use barwave::record::{Field, Measure as Measured, Summary};
 use barwave::report::{self, Figure, PanelName};
 use barwave::run;
-use barwave::scene::{ImpactScene, Problem, Scene, SceneBuilder};
+use barwave::scene::{ImpactScene, IntoValue, Problem, Scene, SceneBuilder};
 use barwave::study::bracket::{RateAndHeat, apparent};
 use barwave::study::cost::{Hooks, cost};
 use barwave::study::sweep::{self, Shard, Sweep};
+use barwave::toml::Value;
 use hdf5::types::VarLenUnicode;
 
 fn pulled() -> SceneBuilder {
@@ -277,7 +278,7 @@ fn figures_have_a_size_that_memory_can_hold() {
 #[test]
 fn items_of_lists_are_set_by_their_numbers() {
     let segment = |length: f64| {
-        let mut segment = toml::Table::from_iter([("length".to_owned(), toml::Value::from(length))]);
+        let mut segment = toml::Table::from_iter([("length".to_owned(), Value::from(length))]);
         segment.insert("material".to_owned(), "copper-annealed".into());
         segment
     };
@@ -289,8 +290,8 @@ fn items_of_lists_are_set_by_their_numbers() {
         .set("solve.until", 1e-4);
     let scene = of_two.clone().build().expect("a right scene");
     assert_eq!(scene.bar.segments.iter().map(|segment| segment.length).collect::<Vec<_>>(), [0.2, 0.4]);
-    let error = refused(of_two.set("bar.segment.2.length", 0.1).build());
-    assert!(error.key == "bar.segment.2.length" && error.message.contains("the list has 2"), "{error:?}");
+    let error = refused(of_two.set("bar.segment.3.length", 0.1).build());
+    assert!(error.key == "bar.segment.3.length" && error.message.contains("the list has 2"), "{error:?}");
 }
 
 #[test]
@@ -359,13 +360,63 @@ fn files_of_impacts_spell_units_as_those_of_bars_and_name_each_material_once() {
     assert_eq!(name.expect("a long name").as_str(), "magnitude of the engineering stress in compression");
 }
 
+fn solved_run(scene: &Scene) -> Result<run::Solution> {
+    run::solve(scene, &mut |_| ControlFlow::Continue(()))
+}
+
+#[test]
+fn a_material_from_a_program_is_that_of_the_library() {
+    for (material, effects) in [
+        ("copper-annealed", "{ hardening = 'isotropic' }"),
+        ("steel-4340-jc", "{ hardening = 'isotropic', heat = {} }"),
+        ("steel-4340-jc", "{ rate = 'material' }"),
+    ] {
+        let scene = pulled().set("effects", effects.parse::<Value>().expect("a table"));
+        let by_name = scene.clone().set("bar.material", material).build().expect("a right scene");
+        let found = library::find(material, Path::new("")).expect("a material");
+        let given = scene.set("bar.material", &found).build().expect("a right scene");
+        let changed = by_name.with_value("bar.material", &found).expect("a right scene");
+        let expected = solved_run(&by_name).expect("it runs");
+        assert!(expected.summary.left.strain > 1e-3);
+        for scene in [given, changed] {
+            let solution = solved_run(&scene).expect("it runs");
+            assert_eq!(solution.fields, expected.fields, "{material}");
+            assert_eq!(solution.ends[0].stress, expected.ends[0].stress, "{material}");
+        }
+    }
+    let curve = Curve::new(&[(0.001, 2e8), (0.1, 3e8)], Beyond::Error).expect("a curve");
+    let scene = pulled().set("bar.material", Material::from_curve("mine", 7850.0, curve.clone()));
+    let scene = scene.set("bar.material.curve", &curve).build().expect("a right scene");
+    assert_eq!(scene.bar.segments[0].material.tension, curve);
+}
+
+#[test]
+fn values_of_rust_are_those_of_a_file() {
+    let rows = "[[0.0, 1.0], [1e-5, 0.0]]".parse::<Value>().expect("rows");
+    let (pairs, arrays) = (vec![(0.0, 1.0), (1e-5, 0.0)], [[0.0, 1.0], [1e-5, 0.0]]);
+    assert_eq!((&pairs).into_value(), rows);
+    assert_eq!(arrays.to_vec().into_value(), rows);
+    assert_eq!(arrays.as_slice().into_value(), rows);
+    assert_eq!(ndarray::arr2(&arrays).into_value(), rows);
+    let times = [0.0, 2.5e-5, 5e-5];
+    let with = |times: Value| pulled().set("record.times", times).build().expect("a right scene").record.times.clone();
+    for value in [times.into_value(), times[..].into_value(), (&ndarray::Array1::linspace(0.0, 5e-5, 3)).into_value()] {
+        assert_eq!(with(value), times);
+    }
+    let cells: usize = 150;
+    assert_eq!(pulled().set("solve.cells", cells).build().expect("a right scene").solve.method.cells(), Some(cells));
+}
+
 #[test]
 fn errors_of_changes_are_in_the_words_of_the_library() {
     let scene = pulled().build().expect("a right scene");
     let error = refused(scene.with(&["left.value"]));
     assert_eq!((error.key.as_str(), error.message.as_str()), ("changes", "left.value: missing `=`"));
-    let error = refused(scene.with(&["solve.until=-1"]));
-    assert_eq!((error.key.as_str(), error.place.expect("a place").file.as_str()), ("solve.until", "changes"));
+    for error in [refused(scene.with(&["solve.until=-1"])), refused(scene.with_value("solve.until", -1.0))] {
+        assert_eq!((error.key.as_str(), error.place.expect("a place").file.as_str()), ("solve.until", "changes"));
+    }
+    let error = refused(scene.with_value("left.value", f64::NAN));
+    assert!(error.key == "left.value" && error.message.starts_with("NaN"), "{error:?}");
     let unknown = refused(library::find("copper", Path::new("")));
     let impact = refused(Scene::parse("spheres.toml", SPHERES, Path::new(""), &[]));
     for error in [unknown, impact] {

@@ -1,7 +1,5 @@
 //! A copper bar pulled below its critical velocity. README.md shows this file; `tests/docs` runs it.
 
-use std::ops::ControlFlow;
-
 use barwave::{error::Result, record::Field, run, scene::Scene};
 
 pub(crate) fn main() -> Result<()> {
@@ -13,7 +11,7 @@ pub(crate) fn main() -> Result<()> {
         .set("right.kind", "free")
         .set("solve.until", "200 us")
         .build()?;
-    let solution = run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;
+    let solution = run::solution(&scene)?;
     println!("critical velocity: {:?} m/s", solution.summary.critical_velocity);
     let strain = solution.last(Field::Strain).expect("recorded unless `fields` leaves it out");
     println!("strain behind the fronts at 60 m/s: {:.4}", strain[10]);

@@ -1,10 +1,10 @@
 //! barwave: one-dimensional elastic-plastic waves in bars.
 //!
-//! A scene is read from a file ([`scene::Scene::read`]) or built in a program, and simulated with output to a result file ([`run::run`]) or to arrays ([`run::solve`]):
+//! A scene is read from a file ([`scene::Scene::read`]) or built in a program, and simulated with output to a result file ([`run::run`]) or to
+//! arrays ([`run::solution`], or [`run::solve`] to see its progress and to stop it):
 //!
 //! ```
 //! use barwave::{record::Field, run, scene::Scene};
-//! use std::ops::ControlFlow;
 //!
 //! let scene = Scene::builder()
 //!     .set("bar.length", "1 m")
@@ -14,7 +14,7 @@
 //!     .set("right.kind", "free")
 //!     .set("solve.until", "200 us")
 //!     .build()?;
-//! let solution = run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;
+//! let solution = run::solution(&scene)?;
 //! let stress = solution.last(Field::Stress).expect("a recorded field");
 //! println!("{} samples, at the struck end {:.1} MPa", stress.len(), stress[0] / 1e6);
 //! # assert!(stress[0] > 50e6);
@@ -23,27 +23,23 @@
 //!
 //! # Materials and segments
 //!
-//! A key takes what it takes in a scene file. A curve is a table of strain and stress; several segments are a list of tables:
+//! A key takes what it takes in a scene file, as a value of Rust ([`scene::IntoValue`]): a number in SI, a text with its unit, a list, rows as
+//! pairs, an array of `ndarray`, a material. Items of a list are numbered:
 //!
 //! ```
+//! use barwave::material::{Beyond, Curve, Material};
 //! use barwave::{run, scene::Scene};
-//! use std::ops::ControlFlow;
-//! use toml::{Table, Value};
 //!
-//! let (strain, stress) = ([0.0, 0.0015, 0.05, 0.2], [0.0, 300e6, 380e6, 450e6]);
-//! let rows: Vec<Vec<f64>> = strain.into_iter().zip(stress).map(|(strain, stress)| vec![strain, stress]).collect();
-//! let steel: Table = toml::from_str("name = 'my steel'\ndensity = 7850\nmodulus = 200e9\nbeyond = 'extend'")?;
-//! let curve = Table::from_iter([("table".to_owned(), Value::from(rows))]);
-//! let steel = steel.into_iter().chain([("curve".to_owned(), Value::Table(curve))]).collect::<Table>();
-//! let segment = |length: f64, area: f64| {
-//!     Table::from_iter([
-//!         ("length".to_owned(), Value::from(length)),
-//!         ("area".to_owned(), Value::from(area)),
-//!         ("material".to_owned(), Value::Table(steel.clone())),
-//!     ])
-//! };
+//! let (strain, stress) = ([0.0015, 0.05, 0.2], [300e6, 380e6, 450e6]);
+//! let rows: Vec<(f64, f64)> = strain.into_iter().zip(stress).collect();
+//! let steel = Material::from_curve("my steel", 7850.0, Curve::new(&rows, Beyond::Extend)?);
 //! let scene = Scene::builder()
-//!     .set("bar.segment", vec![segment(0.5, 1e-4), segment(0.5, 2e-4)])
+//!     .set("bar.segment.0.length", 0.5)
+//!     .set("bar.segment.0.area", 1e-4)
+//!     .set("bar.segment.0.material", &steel)
+//!     .set("bar.segment.1.length", 0.5)
+//!     .set("bar.segment.1.area", 2e-4)
+//!     .set("bar.segment.1.material", &steel)
 //!     .set("left.kind", "velocity")
 //!     .set("left.value", -20.0)
 //!     .set("right.kind", "free")
@@ -51,11 +47,10 @@
 //!     .build()?;
 //! // The same scene at other velocities: changed keys are checked again.
 //! for velocity in [-10.0, -40.0] {
-//!     let scene = scene.with(&[format!("left.value={velocity}")])?;
-//!     let solution = run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;
+//!     let solution = run::solution(&scene.with_value("left.value", velocity)?)?;
 //!     println!("{velocity} m/s: {:.4}", solution.summary.left.strain);
 //! }
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok::<(), barwave::error::Error>(())
 //! ```
 //!
 //! # Result files
@@ -102,8 +97,8 @@
 //! # Building
 //!
 //! HDF5 is compiled from source: a C compiler is needed, and cmake 3.26 or newer on `PATH` or named by the variable `CMAKE`. A program runs
-//! fast only when it is built with `--release`. Tables as values of keys are those of the crate `toml` 1, the arrays of a solution those of
-//! `ndarray` 0.17.
+//! fast only when it is built with `--release`. The crates of the values of keys and of the arrays of a solution are [`toml`] and [`ndarray`],
+//! as `barwave::toml` and `barwave::ndarray`.
 //!
 //! # Layers
 //!

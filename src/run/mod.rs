@@ -30,7 +30,7 @@ use std::time::{Duration, Instant};
 
 use self::checkpoints::Checkpoints;
 use self::chosen::Chosen;
-use self::output::{Kept, Output};
+use self::output::{Closed, Kept, Output};
 use crate::assemble;
 use crate::bar::{EndCondition, InitialFan, Segment, initial_fans};
 use crate::error::{Error, Result};
@@ -133,6 +133,7 @@ pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Contro
 /// ```
 /// use std::ops::ControlFlow;
 /// use barwave::record::Field;
+/// use barwave::run::Progress;
 /// use barwave::scene::Scene;
 ///
 /// let scene = Scene::builder()
@@ -144,8 +145,49 @@ pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Contro
 ///     .set("right.kind", "free")
 ///     .set("effects.hardening", "isotropic")
 ///     .set("solve.until", 2e-4)
+///     .set("solve.cells", 4000)
 ///     .build()?;
-/// let solution = barwave::run::solve(&scene, &mut |_| ControlFlow::Continue(()))?;
+/// // Stopped at half of its steps.
+/// let solution = barwave::run::solve(&scene, &mut |at| match at {
+///     Progress::Steps { step, steps, .. } if 2 * step > steps => ControlFlow::Break(()),
+///     _ => ControlFlow::Continue(()),
+/// })?;
+/// assert_eq!(solution.summary.outcome, "interrupted");
+/// let stress = solution.field(Field::Stress).expect("recorded unless `fields` leaves it out");
+/// assert_eq!(stress.dim(), (solution.time.len(), solution.x.len()));
+/// assert!(solution.time[solution.time.len() - 1] < 2e-4);
+/// # Ok::<(), barwave::error::Error>(())
+/// ```
+///
+/// Where `progress` requests a stop the solution is what was simulated until then, and the outcome in its summary "interrupted".
+///
+/// # Errors
+/// As for [`run`], but for the file; [`Error::Interrupted`] only while effects or a method were still being chosen.
+pub fn solve(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Solution> {
+    let kept: RefCell<Kept> = RefCell::default();
+    let ended = begin(scene, Target { kept: Some(&kept), ..Target::default() }, progress);
+    let mut kept = kept.into_inner();
+    let interrupted = kept.take_interrupted().filter(|_| matches!(ended, Err(Error::Interrupted)));
+    let summary = interrupted.map_or(ended, Ok)?;
+    Ok(kept.solution(summary))
+}
+
+/// The same without progress.
+///
+/// ```
+/// use barwave::record::Field;
+/// use barwave::scene::Scene;
+///
+/// let scene = Scene::builder()
+///     .set("bar.length", "1 m")
+///     .set("bar.diameter", 0.02)
+///     .set("bar.material", "copper-annealed")
+///     .set("left.kind", "velocity")
+///     .set("left.value", -30.0)
+///     .set("right.kind", "free")
+///     .set("solve.until", 2e-4)
+///     .build()?;
+/// let solution = barwave::run::solution(&scene)?;
 /// let stress = solution.field(Field::Stress).expect("recorded unless `fields` leaves it out");
 /// assert_eq!(stress.dim(), (solution.time.len(), solution.x.len()));
 /// // Copper yields at 30 m/s, and the plastic wave is slow.
@@ -155,10 +197,8 @@ pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Contro
 ///
 /// # Errors
 /// As for [`run`], but for the file.
-pub fn solve(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Solution> {
-    let kept = RefCell::default();
-    let summary = begin(scene, Target { kept: Some(&kept), ..Target::default() }, progress)?;
-    Ok(kept.into_inner().solution(summary))
+pub fn solution(scene: &Scene) -> Result<Solution> {
+    solve(scene, &mut |_| ControlFlow::Continue(()))
 }
 
 /// A run of a scene whose effects or method may be open.
@@ -447,7 +487,10 @@ impl<'a> RunRecorder<'a> {
         self.tally.close();
         let read_off = figures(self.scene, &self.tally, &results);
         results.audit.extend(contacts_beyond_hertz(self.scene, &read_off));
-        let writer = std::mem::replace(&mut self.writer, Output::None);
+        let paths_complete = self.scene.record.paths && results.paths_complete && ended.is_ok();
+        let fronts = results.fronts.clone();
+        let (writer, kept) = (std::mem::replace(&mut self.writer, Output::None), self.kept);
+        let mut arrays = None;
         if let Output::File(writer) = writer {
             let figures = RunFigures {
                 wall_seconds: self.started.elapsed().as_secs_f64(),
@@ -458,16 +501,20 @@ impl<'a> RunRecorder<'a> {
                 cell_steps: (results.cells * results.steps) as u64,
                 reason,
                 error: results.error.clone(),
-                paths_complete: results.paths_complete && ended.is_ok(),
+                paths_complete,
                 ruptures: results.ruptures.clone(),
                 figures: read_off.clone(),
             };
             writer.finish(outcome, &results.fronts, &results.audit, figures)?;
-        } else if let (Output::Memory(arrays), Some(kept)) = (writer, self.kept) {
-            kept.replace(*arrays);
+        } else if let Output::Memory(memory) = writer {
+            arrays = Some(*memory);
         }
-        ended?;
-        Ok(self.summary(outcome, results, read_off))
+        let summary = self.summary(outcome, results, read_off);
+        if let (Some(arrays), Some(kept)) = (arrays, kept) {
+            let interrupted = matches!(ended, Err(Error::Interrupted)).then(|| summary.clone());
+            kept.replace(arrays.close(Closed { fronts, paths_complete, interrupted }));
+        }
+        ended.map(|()| summary)
     }
 
     fn summary(self, outcome: &str, results: RunResults, figures: Figures) -> Summary {

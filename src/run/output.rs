@@ -6,13 +6,12 @@ use ndarray::{Array1, Array2, ArrayView1};
 
 use crate::error::Result;
 use crate::record::store::{Side, Writer};
-use crate::record::{Field, Frame, LedgerRow, PathRow, Summary, Trace};
+use crate::record::{Field, Frame, FrontRow, LedgerRow, PathRow, Summary, Trace};
 
-/// What a run gives in memory: the frames, histories and ledger of a result file as arrays. Arrivals of fronts (`/fronts`), their paths and the
-/// materials are in files alone, and so is what an interrupted run has done.
+/// What a run gives in memory: the frames, histories, ledger, fronts and paths of a result file as arrays.
 #[derive(Debug)]
 pub struct Solution {
-    /// Results of a run at its end.
+    /// Results of a run at its end; its outcome is "interrupted" where `progress` requested a stop, the rest being what was simulated until then.
     pub summary: Summary,
     /// Samples of the fields along the bar, m: of shape (`n_x`).
     pub x: Array1<f64>,
@@ -28,6 +27,12 @@ pub struct Solution {
     pub ends: [Trace; 2],
     /// Energies and momentum, a row a frame.
     pub ledger: Vec<LedgerRow>,
+    /// Fronts with their arrivals at the gauges, these in the order of [`Solution::gauge_places`].
+    pub fronts: Vec<FrontRow>,
+    /// Straight pieces of all fronts where the scene records them (`record.paths`), by front tracking.
+    pub paths: Vec<PathRow>,
+    /// [`Solution::paths`] are those of the whole run: it recorded them, came to its end, and there were not too many.
+    pub paths_complete: bool,
 }
 
 impl Solution {
@@ -54,6 +59,17 @@ pub(super) struct Kept {
     gauges: Vec<Trace>,
     ends: [Trace; 2],
     ledger: Vec<LedgerRow>,
+    paths: Vec<PathRow>,
+    closed: Option<Closed>,
+}
+
+/// What is known when a run closes.
+#[derive(Debug)]
+pub(super) struct Closed {
+    pub fronts: Vec<FrontRow>,
+    pub paths_complete: bool,
+    /// Of a run that was interrupted, which returns none.
+    pub interrupted: Option<Summary>,
 }
 
 impl Kept {
@@ -61,6 +77,16 @@ impl Kept {
     pub fn new(x: Vec<f64>, fields: Vec<Field>, places: Vec<(String, f64)>) -> Self {
         let (rows, gauges) = (vec![Vec::new(); fields.len()], vec![Trace::default(); places.len()]);
         Self { x, fields, rows, places, gauges, ..Self::default() }
+    }
+
+    /// With what is known at the end.
+    pub fn close(self, closed: Closed) -> Self {
+        Self { closed: Some(closed), ..self }
+    }
+
+    /// The summary of a run that was interrupted.
+    pub fn take_interrupted(&mut self) -> Option<Summary> {
+        self.closed.as_mut()?.interrupted.take()
     }
 
     pub fn solution(self, summary: Summary) -> Solution {
@@ -75,6 +101,9 @@ impl Kept {
             gauge_places: self.places,
             ends: self.ends,
             ledger: self.ledger,
+            paths: self.paths,
+            paths_complete: self.closed.as_ref().is_some_and(|closed| closed.paths_complete),
+            fronts: self.closed.map(|closed| closed.fronts).unwrap_or_default(),
         }
     }
 }
@@ -141,11 +170,15 @@ impl Output {
         }
     }
 
-    /// Ways of fronts; only files keep them.
+    /// Paths of fronts.
     pub fn paths(&mut self, rows: Vec<PathRow>) -> Result<()> {
         match self {
             Self::File(writer) if !rows.is_empty() => writer.paths(rows),
-            _ => Ok(()),
+            Self::None | Self::File(_) => Ok(()),
+            Self::Memory(kept) => {
+                kept.paths.extend(rows);
+                Ok(())
+            }
         }
     }
 

@@ -360,10 +360,6 @@ fn files_of_impacts_spell_units_as_those_of_bars_and_name_each_material_once() {
     assert_eq!(name.expect("a long name").as_str(), "magnitude of the engineering stress in compression");
 }
 
-fn solved_run(scene: &Scene) -> Result<run::Solution> {
-    run::solve(scene, &mut |_| ControlFlow::Continue(()))
-}
-
 #[test]
 fn a_material_from_a_program_is_that_of_the_library() {
     for (material, effects) in [
@@ -376,10 +372,10 @@ fn a_material_from_a_program_is_that_of_the_library() {
         let found = library::find(material, Path::new("")).expect("a material");
         let given = scene.set("bar.material", &found).build().expect("a right scene");
         let changed = by_name.with_value("bar.material", &found).expect("a right scene");
-        let expected = solved_run(&by_name).expect("it runs");
+        let expected = run::solution(&by_name).expect("it runs");
         assert!(expected.summary.left.strain > 1e-3);
         for scene in [given, changed] {
-            let solution = solved_run(&scene).expect("it runs");
+            let solution = run::solution(&scene).expect("it runs");
             assert_eq!(solution.fields, expected.fields, "{material}");
             assert_eq!(solution.ends[0].stress, expected.ends[0].stress, "{material}");
         }

@@ -309,7 +309,8 @@ pub fn criteria(scene: &Scene) -> Option<Criteria> {
 pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
-    let ends = [scene.left.clone(), scene.right.clone()];
+    let whole = scene.discretized.as_ref().map_or(&scene.bar, |cut| &cut.original.bar);
+    let ends = ([scene.left.clone(), scene.right.clone()], whole.end_velocities());
     FrontTracking::that_breaks(&scene.bar, flow(&scene.effects), ends, settings, criteria(scene))
 }
 

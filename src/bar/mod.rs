@@ -146,6 +146,12 @@ impl Bar {
         resting && !self.has_initial_state() && (0..self.segments.len() - 1).all(bonded)
     }
 
+    /// Velocities (m/s) at t = 0 of its left and right end.
+    pub fn end_velocities(&self) -> [f64; 2] {
+        let last = self.segments.len() - 1;
+        [self.segments[0].end_velocities()[0], self.segments[last].end_velocities()[1]]
+    }
+
     /// The same bar, but that segments which are uniformly warm at t = 0 have the curves of that temperature instead.
     #[must_use]
     pub fn on_warm_curves(&self) -> Self {

@@ -335,3 +335,26 @@ fn states_that_cannot_be_are_refused() {
     assert!(one("stress = 1e8", "damping = { external = 1 }", solve).is_ok());
     refused("stress = nan", "", solve, "finite");
 }
+
+/// What is beyond an absorbing end moves as the end of the bar did, not as the mean of its first cell: a bar that has given all its motion away went on
+/// at 0.2 m/s (100 cells) for ever.
+#[test]
+fn an_absorbing_end_takes_all_the_motion_of_a_bar_whose_end_was_at_rest() {
+    let (density, area) = (8000.0, 1e-4);
+    for (method, effects) in [
+        ("method = \"fd\"\ncells = 100", ""),
+        ("method = \"fd\"\ncells = 100\nscheme = \"muscl\"", ""),
+        ("method = \"fd\"\ncells = 100", "[effects]\ndamping = { foundation = 1e-9 }"),
+        ("method = \"moc\"", ""),
+    ] {
+        let scene = scene(&format!(
+            "[bar]\nlength = 0.4\narea = {area}\nvelocity = [[0, 0], [0.1, 10], [0.2, 0]]\nmaterial = {{ density = {density}, modulus = 200e9, \
+             beyond = \"extend\", curve = {{ table = [[0.05, 10e9]] }} }}\n[left]\nkind = \"absorbing\"\n[right]\nkind = \"free\"\n{effects}\n\
+             [solve]\nuntil = \"350 us\"\n{method}\n"
+        ));
+        let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+        let impulse = summary.figures.0.iter().flat_map(|group| &group.figures).find(|figure| figure.name == "impulse");
+        let (found, exact) = (impulse.expect("an impulse").value, -density * area * 1.0);
+        assert!((found / exact - 1.0).abs() < 1e-6, "{method} {effects}: {found} for {exact}");
+    }
+}

@@ -276,11 +276,10 @@ impl Records<'_> {
     fn held_beyond(&self, body: &Body, face: Face) -> Option<Motion> {
         let other = if body.faces[0] == face { body.faces[1] } else { body.faces[0] };
         let Face::End(side) = other else { return None };
-        let segments = &self.bar.segments;
         match self.ends[side] {
             EndCondition::Fixed => Some(AT_REST),
             EndCondition::Absorbing => {
-                let start = segments[[0, segments.len() - 1][side]].end_velocities()[side];
+                let start = self.bar.end_velocities()[side];
                 Some(Motion { before: start, after: start })
             }
             _ => None,

@@ -105,8 +105,9 @@ pub struct EndGrid {
     pub area: f64,
     /// Of the end cell, m^2.
     pub cell_area: f64,
-    /// Initial velocity, m/s.
+    /// Initial velocity of its node, and of the very end of the bar, m/s.
     pub velocity: f64,
+    pub end_velocity: f64,
     /// Size of the stress up to which the end cell is elastic, Pa.
     pub yield_stress: f64,
 }
@@ -114,8 +115,8 @@ pub struct EndGrid {
 impl EndNode {
     /// The device at an end with outward normal `normal` (-1 left, +1 right).
     pub fn new(condition: &EndCondition, normal: f64, grid: EndGrid) -> Self {
-        let velocity = -normal * grid.velocity;
-        let face = Face { inward: -normal, area: grid.area, impedance: grid.impedance * grid.area, velocity };
+        let [velocity, at_end] = [grid.velocity, grid.end_velocity].map(|velocity| -normal * velocity);
+        let face = Face { inward: -normal, area: grid.area, impedance: grid.impedance * grid.area, velocity: at_end };
         let mass = 0.5 * grid.density * grid.dx * grid.cell_area;
         Self {
             model: ends::model(condition, face),

@@ -151,6 +151,7 @@ impl Leapfrog {
                 area: segment.end_areas()[side],
                 cell_area: segment.area * block.area(cell),
                 velocity: block.v[if side == 0 { 0 } else { cell + 1 }],
+                end_velocity: segment.end_velocities()[side],
                 yield_stress: laws[k].yield_stress,
             }
         };

@@ -88,14 +88,15 @@ pub struct FrontTracking {
 impl FrontTracking {
     /// A bar at t = 0 with its ends; every segment flows as `flow` says.
     pub fn new(bar: &Bar, flow: Flow, ends: [EndCondition; 2], settings: Settings) -> Self {
-        Self::that_breaks(bar, flow, ends, settings, None)
+        Self::that_breaks(bar, flow, (ends, bar.end_velocities()), settings, None)
     }
 
-    /// The same of a bar that breaks where it meets one of `criteria`.
+    /// The same of a bar that breaks where it meets one of `criteria`, and whose very ends move with these velocities (m/s) at t = 0: the steps of a
+    /// staircase next to them have means.
     pub fn that_breaks(
         bar: &Bar,
         flow: Flow,
-        ends: [EndCondition; 2],
+        (ends, end_velocities): ([EndCondition; 2], [f64; 2]),
         settings: Settings,
         criteria: Option<Criteria>,
     ) -> Self {
@@ -103,7 +104,7 @@ impl FrontTracking {
         let mut media: Vec<Medium> = bar.segments.iter().map(|s| medium(s, flow)).collect();
         let starts: Vec<Vec<Start>> = bar.segments.iter().zip(&media).map(|(s, medium)| starts(s, medium)).collect();
         let outer = [starts[0][0].point, starts[last][starts[last].len() - 1].point];
-        let faces = [face(1.0, outer[0].velocity, &media[0]), face(-1.0, outer[1].velocity, &media[last])];
+        let faces = [face(1.0, end_velocities[0], &media[0]), face(-1.0, end_velocities[1], &media[last])];
         let loads = [Some(load(&ends[0], &faces[0])), Some(load(&ends[1], &faces[1]))];
         let stress_scale = stress_scale(&all_points(&starts), &media, loads);
         for medium in &mut media {

@@ -62,8 +62,9 @@ impl Muscl {
         let joints = joints.map(|(k, pair)| Joint::new(bar.segments[pair[0].part].joint, k)).collect();
         let last = bar.segments.len() - 1;
         let [left, right] = ends;
-        let left = End::new(&left, 1.0, &parts[0], bar.segments[0].end_velocities()[0]);
-        let right = End::new(&right, -1.0, &parts[last], bar.segments[last].end_velocities()[1]);
+        let [at_left, at_right] = bar.end_velocities();
+        let left = End::new(&left, 1.0, &parts[0], at_left);
+        let right = End::new(&right, -1.0, &parts[last], at_right);
         let state_len = parts.iter().map(|part| part.law.law.state_len()).max().unwrap_or(0);
         let parallel = grid.cells() >= PARALLEL_FROM;
         let scratch = vec![Scratch::new(state_len); blocks.len().div_ceil(GROUP)];

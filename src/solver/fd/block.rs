@@ -339,6 +339,12 @@ impl Block {
         self.waves.as_ref().map_or(self.sigma[i], |waves| waves.stress(i))
     }
 
+    /// What the first (side 0) or last (side 1) cell flowed in the latest step, see [`Self::flow`].
+    pub fn flow_at_edge(&self, side: usize) -> f64 {
+        let flow = if side == 0 { self.flow.first() } else { self.flow.last() };
+        flow.map_or(0.0, |&flow| f64::from(flow))
+    }
+
     /// Keeps what [`Self::undamped`] gives.
     pub fn note_undamped(&mut self) {
         self.inner = [self.v[1], self.v[self.sigma.len() - 1]];

@@ -24,6 +24,8 @@ pub struct EndNode {
     force: f64,
     /// The stress for the record, see [`EndNode::stress`].
     stress: f64,
+    /// Stress of the end cell in the step before and in this one, Pa.
+    of_cell: [f64; 2],
     impulses: Impulses,
     /// Mean force over the latest step and over the step ahead, N; not a number before t = 0.
     means: [f64; 2],
@@ -127,6 +129,7 @@ impl EndNode {
             limit: grid.yield_stress * grid.area,
             force: 0.0,
             stress: 0.0,
+            of_cell: [0.0; 2],
             impulses: Impulses::default(),
             means: [f64::NAN; 2],
             start: None,
@@ -205,6 +208,7 @@ impl EndNode {
 
     /// The same under the force `cell` (N) of the end cell; `shown` is its stress for the record.
     fn advance_showing(&mut self, time: f64, cell: f64, shown: f64) {
+        self.of_cell = [self.of_cell[1], shown];
         let (step, previous) = (self.step(time), self.force);
         let Motion { force, velocity, met, held, resists } = self.respond(&step, cell);
         // More than the bar can carry on half a cell: it is stopped, perhaps over two steps. Sideways motion takes an impulse in both.
@@ -437,6 +441,22 @@ impl EndNode {
     /// Velocity change of the node in the latest step, into the bar, m/s.
     fn velocity_increment(&self, sigma_cell: f64) -> f64 {
         (self.force + self.node.area * sigma_cell) / self.node.impedance
+    }
+
+    /// Size of the velocity difference (m/s) of the end cell, which flowed by `flow` (E times the plastic strain of the latest step, Pa), that the force on
+    /// the end supports. In a wave that leaves the end the stress falls by rho c w/2 over half the cell, c being the speed of the cell's tangent. None
+    /// where the end does not load the cell.
+    pub(super) fn supported_by_load(&self, flow: f64) -> Option<f64> {
+        let sense = 1.0_f64.copysign(flow);
+        let ([before, now], stress) = (self.of_cell, -self.force / self.face.area);
+        if flow == 0.0 || sense * stress <= 0.0 {
+            return None;
+        }
+        let rise = (sense * (now - before)).max(0.0);
+        let slowness = ((rise + flow.abs()) / rise).sqrt();
+        let fall = sense * (stress - now);
+        let impedance = self.face.impedance / self.face.area;
+        Some(if fall > 0.0 { 2.0 * fall / impedance * slowness } else { 0.0 })
     }
 
     /// Energy that the grid filter took from the node, J.

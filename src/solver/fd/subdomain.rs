@@ -241,9 +241,10 @@ impl Subdomain<'_> {
     fn nodes_outside(&self, k: usize) -> [Beside; 2] {
         let block = &self.blocks[k];
         let gain = self.common.constants[block.segment].velocity_gain;
-        let end = |end: usize| match &self.ends[end] {
+        let flow = |side: usize| if block.flows() { block.flow_at_edge(side) } else { 0.0 };
+        let end = |side: usize| match &self.ends[side] {
             Some(end_node) if end_node.is_held() => Beside::Held,
-            Some(_) => Beside::Mirror,
+            Some(end_node) => end_node.supported_by_load(flow(side)).map_or(Beside::Mirror, Beside::Loaded),
             None => Beside::Joint,
         };
         let parted = |edge: usize| self.contacts.iter().any(|contact| contact.edge == self.first + edge);

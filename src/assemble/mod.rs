@@ -202,8 +202,11 @@ fn yield_stress(material: &Material, sense: Sense) -> f64 {
 /// Those of a bar that is unloaded elastically.
 fn all_sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let first = starting_fans(&scene.bar, &scene.left, &scene.right);
-    if !follows_curves(scene) || !sudden_fans::can_be_tracked(scene) {
+    if !follows_curves(scene) {
         return first;
+    }
+    if !sudden_fans::can_be_tracked(scene) {
+        return sudden_fans::with_first_rises(first, scene, (grid, late));
     }
     if !sudden_fans::is_uniform(scene) {
         return sudden_fans::until_changes_come(first, scene, (grid, late));
@@ -250,7 +253,7 @@ fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads)
         (sudden_loads(&quick, &fans, grid, COMES_TO_IT), fans)
     });
     let loads = late.0.fading(&early.0, times);
-    let fans = late.1.into_iter().filter(|fan| loads.hardly_fades(fan)).collect();
+    let fans = late.1.into_iter().filter(|fan| loads.hardly_fades(fan, &early.1)).collect();
     (fans, loads)
 }
 

@@ -276,6 +276,20 @@ pub(super) fn with_later(
     first
 }
 
+/// The `first` fans of a bar that front tracking cannot follow, and those of loads that rise from t = 0 on: until something unloads it, such a bar
+/// follows its curves as by any other rule.
+pub(super) fn with_first_rises(first: Vec<InitialFan>, scene: &Scene, (grid, late): (&Grid, f64)) -> Vec<InitialFan> {
+    let rises = Rises::new(scene, grid.dt);
+    if !is_uniform(scene) || scene.bar.has_initial_state() || rises.0.iter().all(Vec::is_empty) {
+        return first;
+    }
+    let mut stepped = super::as_stepped(scene, grid);
+    stepped.parts.effects.hardening = Some(HardeningRule::Isotropic);
+    let mut fans = tracked(&stepped, grid.dt, scene.solve.until);
+    fans.retain(|fan| fan.from == 0.0 && rises.until(fan.origin, 0.0).is_some());
+    with_later(first, &fans, &stepped, (grid, late))
+}
+
 /// The `first` fans of a bar that is not uniform, and the later ones, as long as nothing comes to them from where a section or an initial state changes.
 pub(super) fn until_changes_come(first: Vec<InitialFan>, scene: &Scene, (grid, late): (&Grid, f64)) -> Vec<InitialFan> {
     let first = if scene.bar.has_initial_state() { at_ends_of_segments(scene, grid.dt) } else { first };
@@ -350,7 +364,7 @@ pub(super) fn beside_forces(scene: &Scene, grid: &Grid, along: &DistributedForce
         return Vec::new();
     }
     let mut fans = super::sudden_fans(scene, grid, LATE_IN_LEAPFROG);
-    fans.retain(|fan| fan.from == 0.0 && fan.delays.is_empty());
+    fans.retain(|fan| fan.from == 0.0);
     for fan in &mut fans {
         let segment = &scene.bar.segments[fan.segment];
         let (c0, [stress, _]) = (segment.material.c0(), fan.changes());

@@ -8,6 +8,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::wave::similarity::Fan;
+
 /// A sudden load: the state behind its fan, and the time for which histories and peaks show it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SuddenLoad {
@@ -103,6 +105,12 @@ impl SuddenLoad {
         let elapsed = (time - self.from) / self.lasts;
         (0.0..1.0).contains(&elapsed).then(|| (2.0 * (1.0 - elapsed)).min(1.0))
     }
+}
+
+/// Two fans are one in a bar that takes no time to flow.
+pub(super) fn hardly_differ(a: &Fan, b: &Fan) -> bool {
+    let differ = |a: f64, b: f64| (a / b - 1.0).abs() >= NO_FADING;
+    !differ(a.stress, b.stress) && !differ(a.velocity, b.velocity)
 }
 
 fn mean(weight: f64, known: f64, scheme: f64) -> f64 {

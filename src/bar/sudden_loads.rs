@@ -1,6 +1,7 @@
 //! Which ends and joints of a bar are suddenly loaded beyond yield.
 
 use super::initial_fan::Driver;
+use super::sudden_load::hardly_differ;
 use super::{Bar, InitialFan, Origin, SuddenLoad};
 
 /// The sudden loads of a bar.
@@ -46,8 +47,12 @@ impl SuddenLoads {
         Self { ends: [end(0), end(1)], joints: self.joints.iter().filter_map(joint).collect() }
     }
 
-    /// A fan brings a load, which is as in a bar that takes no time to flow.
-    pub fn hardly_fades(&self, fan: &InitialFan) -> bool {
+    /// A fan brings a load, which is as in a bar that takes no time to flow. Of one that rises, the fans at the `early` time tell.
+    pub fn hardly_fades(&self, fan: &InitialFan, early: &[InitialFan]) -> bool {
+        if !fan.delays.is_empty() {
+            let same = |other: &&InitialFan| other.origin == fan.origin && other.from == fan.from;
+            return early.iter().find(same).is_some_and(|early| hardly_differ(&early.fan, &fan.fan));
+        }
         let at_end = |side: usize| self.ends[side].iter().find(|load| load.from == fan.from);
         let load = match fan.origin {
             Origin::Left => at_end(0),

@@ -155,11 +155,9 @@ impl Leapfrog {
     fn start_growing(&mut self, fan: &StartingFan) {
         let dt = self.grid.dt;
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
-        if fan.grows() {
+        // Where forces act along the bar all nodes move together; it makes up for this step in the next one.
+        if fan.grows() && self.implicit.is_none() {
             end.start_moving(fan.moved(dt) / dt);
-            if !end.has_body() {
-                end.carry(fan.means(0.0, 0.0, dt)[1]);
-            }
         }
     }
 

@@ -482,10 +482,6 @@ fn driven(fan: &InitialFan, driver: Driver, holds_until: f64) -> InitialFan {
     InitialFan { driver, holds_until, alone: false, ..fan.clone() }
 }
 
-/// A fan at an end under a stress is followed for this part of the time until one of its fronts meets another one. That one is spread over cells of the
-/// grid, and the fan would give its nodes an impulse that the stress does not have: 1.2 % of the stress's own.
-const UNDER_STRESS: f64 = 0.8;
-
 /// That of a load which rises until a time, s.
 fn rising(fans: &[InitialFan], until: f64, scene: &Scene, grid: &Grid, late: f64) -> Option<Vec<InitialFan>> {
     let jump = after_start(fans, &jumping(scene, grid.dt), grid, late)?.pop()?;
@@ -503,10 +499,9 @@ fn rising(fans: &[InitialFan], until: f64, scene: &Scene, grid: &Grid, late: f64
 fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Option<Vec<InitialFan>> {
     let from = start(fans, scene, grid, late)?;
     let driver = drives_alone(scene, fans[0].origin)?;
-    let part = if driver == Driver::Stress { UNDER_STRESS } else { 1.0 };
     let lasts = |fan: &InitialFan| {
         let held = held(&InitialFan { driver, ..fan.clone() }, scene);
-        let holds_until = (part * held.holds_until).min(held.meets_plastic_at - spread(fan, grid));
+        let holds_until = held.holds_until.min(held.meets_plastic_at - spread(fan, grid));
         InitialFan { from, holds_until: in_parts(holds_until.max(0.0) / grid.dt) * grid.dt, ..held }
     };
     Some(fans.iter().map(lasts).collect())

@@ -14,7 +14,7 @@ impl Material {
     /// use barwave::scene::Scene;
     ///
     /// let curve = Curve::new(&[(0.0015, 300e6), (0.05, 380e6)], Beyond::Extend)?;
-    /// let steel = Material { poisson: Some(0.29), ..Material::from_curve("my steel", 7850.0, curve) };
+    /// let steel = Material { poisson: Some(0.29), ..Material::from_curve("my steel", 7850.0, curve)? };
     /// let scene = Scene::builder()
     ///     .set("bar.length", 1.0)
     ///     .set("bar.material", steel.to_table())
@@ -205,7 +205,7 @@ mod tests {
                 deviation: vec![(0.01, 1e6), (0.1, 3e6)],
                 tests: vec![test("a", 1.0), test("b", 0.9)],
             })),
-            ..Material::from_curve("made", 7850.0, curve(1.0, Beyond::Rupture))
+            ..Material::from_curve("made", 7850.0, curve(1.0, Beyond::Rupture)).expect("a material")
         };
         assert_same(&read(&made), &made);
         let one_sense = Material { sense: Sense::Compression, compression: None, ..made };

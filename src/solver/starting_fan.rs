@@ -65,7 +65,7 @@ pub struct StartingFan {
     yields_after: f64,
     /// How far its end had moved at its start, m, less what it has lost of its way since, where that follows from a stress.
     pub placed: f64,
-    /// Momentum that schemes owe for both sides of its joint, or for a body at its end, N s in +x.
+    /// Momentum that schemes owe for both sides of its joint, or for the stress or the body at its end, N s in +x.
     pub owed: f64,
     /// Only the node where it starts is made to move as the fan does.
     pub only_origin: bool,

@@ -381,7 +381,7 @@ fn a_material_from_a_program_is_that_of_the_library() {
         }
     }
     let curve = Curve::new(&[(0.001, 2e8), (0.1, 3e8)], Beyond::Error).expect("a curve");
-    let scene = pulled().set("bar.material", Material::from_curve("mine", 7850.0, curve.clone()));
+    let scene = pulled().set("bar.material", Material::from_curve("mine", 7850.0, curve.clone()).expect("a material"));
     let scene = scene.set("bar.material.curve", &curve).build().expect("a right scene");
     assert_eq!(scene.bar.segments[0].material.tension, curve);
 }

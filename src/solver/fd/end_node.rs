@@ -410,6 +410,11 @@ impl EndNode {
         }
     }
 
+    /// Its force is known, however the bar moves.
+    pub(super) fn imposes_force(&self) -> bool {
+        self.model.relation(&self.step(0.0), &self.node.response(0.0, 0.0)).of_velocity == 0.0
+    }
+
     /// The mean stress at the face over the step ahead is this, Pa: what the next step takes over.
     pub(super) fn carry(&mut self, stress: f64) {
         self.impulses.correct(-self.face.area * stress);

@@ -59,7 +59,8 @@ impl Leapfrog {
     /// Energies and momentum at the current time. One pass over all cells.
     pub fn energies(&self) -> Energies {
         if let Some(nodes) = &self.implicit {
-            return self.energies_with(nodes.sums());
+            let sums = nodes.sums();
+            return self.energies_with(Energies { momentum: sums.momentum - self.owed(), ..sums });
         }
         let half_step = self.left.in_transit() + self.right.in_transit() + self.lost_to_fans;
         let momentum = -self.owed();

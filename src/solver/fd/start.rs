@@ -10,8 +10,8 @@
 //!
 //! That is an impulse on nodes. Its momentum comes from the end, or from the body there. At a joint there is nobody to give it: what the
 //! nodes on both sides get together, none but for the share that fronts have passed of single cells, they owe, and give back in
-//! the last step. Given back in every step, it made the force at contacts 2 % too large, or ran ahead of the waves. A ball has a force of its own,
-//! that of its approach: what the nodes get besides, it owes in the same way.
+//! the last step. Given back in every step, it made the force at contacts 2 % too large, or ran ahead of the waves. A prescribed stress gives its own
+//! impulse only, and a ball that of its approach: what the nodes get besides is owed in the same way.
 //!
 //! What all this takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
 
@@ -172,27 +172,27 @@ impl Leapfrog {
             }
             fan.placed -= fan.slowed(middle) * dt;
         }
-        let Imposed { mut impulse, mut energy, .. } = self.impose(fan, 0.0, false);
-        let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
         let by_ball = fan.driver == Driver::Stress && end.has_body();
-        if fan.driver == Driver::Stress {
-            if fan.from > 0.0 && fan.begins_at(self.step) {
-                fan.placed = end.displacement() - fan.moved(time);
-            }
-            // In the first step it moved as if the bar stayed elastic. It makes up for that, where no viscosity would make a shock of it.
-            let change = if fan.only_origin {
-                fan.velocity_behind - fan.slowed(middle) - end.velocity_after()
-            } else {
-                (fan.placed + fan.moved(time + dt) - end.displacement_ahead()) / dt
-            };
-            impulse += end.mass() * change;
-            energy += end.impose(change);
+        let by_force = fan.driver == Driver::Stress && end.imposes_force();
+        if fan.driver == Driver::Stress && fan.from > 0.0 && fan.begins_at(self.step) {
+            fan.placed = end.displacement() - fan.moved(time);
         }
+        let gives_back = by_force && fan.ends_at(self.step);
+        let Imposed { mut impulse, mass, mut energy } = self.impose_with_end(fan, 0.0, gives_back);
+        if by_force {
+            // A force that is prescribed gives no more than its own impulse.
+            let owed = fan.owe(self.step, impulse);
+            impulse = 0.0;
+            if gives_back {
+                energy += self.impose_with_end(fan, -owed / mass, true).energy;
+            }
+        }
+        let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
         if by_ball {
             // A narrow fan gives single cells more than its momentum, by as much as a light ball has.
             let filtered = end.given_to_filter();
             impulse = fan.owe(self.step, impulse + filtered) - filtered;
-        } else if fan.driver == Driver::Stress {
+        } else if fan.driver == Driver::Stress && !by_force {
             end.carry(fan.means(0.0, time, dt)[1]);
         }
         let [given, taken] = end.give(impulse, fan.velocity_at_origin(time, dt));
@@ -208,6 +208,24 @@ impl Leapfrog {
             energy = nodes.take_shifted(&self.blocks);
         }
         self.note_lost(given - energy);
+    }
+
+    /// As [`Self::impose`], with the node of an end that does not prescribe its velocity.
+    fn impose_with_end(&mut self, fan: &StartingFan, shift: f64, all: bool) -> Imposed {
+        let (time, dt) = (self.time() - fan.from, self.grid.dt);
+        let mut imposed = self.impose(fan, shift, all);
+        if fan.driver == Driver::Stress {
+            let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
+            // In the first step it moved as if the bar stayed elastic. It makes up for that, where no viscosity would make a shock of it.
+            let change = if fan.only_origin {
+                fan.velocity_behind - fan.slowed(time + 0.5 * dt) - end.velocity_after()
+            } else {
+                (fan.placed + fan.moved(time + dt) - end.displacement_ahead()) / dt
+            };
+            imposed.note(end.mass(), change + shift, 1.0);
+            imposed.energy += end.impose(change + shift);
+        }
+        imposed
     }
 
     /// Notes energy (J) that ends gave, or the bar had, and the nodes did not get; less than 0: they got more. The fans undo what the filter has

@@ -32,7 +32,7 @@
 //!
 //! let (strain, stress) = ([0.0015, 0.05, 0.2], [300e6, 380e6, 450e6]);
 //! let rows: Vec<(f64, f64)> = strain.into_iter().zip(stress).collect();
-//! let steel = Material::from_curve("my steel", 7850.0, Curve::new(&rows, Beyond::Extend)?);
+//! let steel = Material::from_curve("my steel", 7850.0, Curve::new(&rows, Beyond::Extend)?)?;
 //! let scene = Scene::builder()
 //!     .set("bar.segment.0.length", 0.5)
 //!     .set("bar.segment.0.area", 1e-4)

@@ -250,6 +250,11 @@ impl StartingFan {
         self.reach_of(&self.fronts, time)
     }
 
+    /// It is imposed on more than its origin: not where it is elastic and a wave starts it, which may come through its segment and change.
+    pub fn is_imposed_inside(&self) -> bool {
+        !(self.by_wave && self.stays_elastic())
+    }
+
     /// How far it is imposed then. Where a wave starts it, up to its plastic fronts: that wave may change behind its own, and schemes follow elastic fronts by
     /// themselves. 0 where there is none.
     pub fn imposed_reach(&self, time: f64) -> f64 {

@@ -51,9 +51,9 @@ impl Case {
     /// Least and largest stress at a gauge between two times (s), Pa.
     fn gauge_between(&self, place: &str, [after, until]: [f64; 2], solve: &str) -> [f64; 2] {
         let trace = self.trace(place, solve);
-        let within = |time: &&f64| **time > after && **time < until;
-        let stresses =
-            || trace.time.iter().zip(&trace.stress).filter(|(time, _)| within(time)).map(|(_, stress)| *stress);
+        // Front tracking has rows only where the stress changes.
+        let [first, end] = [after, until].map(|time| trace.time.partition_point(|row| *row <= time));
+        let stresses = || trace.stress[first - 1..end].iter().copied();
         [stresses().fold(f64::INFINITY, f64::min), stresses().fold(f64::NEG_INFINITY, f64::max)]
     }
 

@@ -8,6 +8,9 @@ use crate::bar::EndCondition;
 use crate::bar::ends::{self, Body, EndModel, Face, Push, Response, Step};
 use crate::solver::{EndSample, EndState};
 
+/// Rise of the stress over E times the plastic strain of a step up to which a curve counts as level: plastic waves of 0.01 c0.
+const LEVEL: f64 = 1e-4;
+
 /// An end of the bar and its node.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EndNode {
@@ -359,12 +362,16 @@ impl EndNode {
         let given = before - self.model.energy(self.displacement);
         let work = if self.model.body().is_some() { given } else { impulse * velocity };
         let taken = if change == 0.0 { 0.0 } else { self.impose(change) };
-        let impulse = impulse + self.mass * change;
-        self.impulse += impulse;
-        self.throughput += impulse.abs();
+        self.book_impulse(impulse + self.mass * change);
         self.work += work;
         self.work_on_node += work;
         [work, taken]
+    }
+
+    /// The end has given the bar this impulse (N s in +x), too.
+    pub(super) fn book_impulse(&mut self, impulse: f64) {
+        self.impulse += impulse;
+        self.throughput += impulse.abs();
     }
 
     /// A body is at the end.
@@ -450,7 +457,7 @@ impl EndNode {
 
     /// Size of the velocity difference (m/s) of the end cell, which flowed by `flow` (E times the plastic strain of the latest step, Pa), that the force on
     /// the end supports. In a wave that leaves the end the stress falls by rho c w/2 over half the cell, c being the speed of the cell's tangent. None
-    /// where the end does not load the cell.
+    /// where the end does not load the cell, and on a level part of the curve, which carries no wave.
     pub(super) fn supported_by_load(&self, flow: f64) -> Option<f64> {
         let sense = 1.0_f64.copysign(flow);
         let ([before, now], stress) = (self.of_cell, -self.force / self.face.area);
@@ -458,6 +465,9 @@ impl EndNode {
             return None;
         }
         let rise = (sense * (now - before)).max(0.0);
+        if rise < LEVEL * flow.abs() {
+            return None;
+        }
         let slowness = ((rise + flow.abs()) / rise).sqrt();
         let fall = sense * (stress - now);
         let impedance = self.face.impedance / self.face.area;

@@ -320,7 +320,7 @@ impl Leapfrog {
     }
 
     /// Ends the fans that a fracture in a segment, or at its end or joint, takes from their course. Those of a joint are imposed once more, in which its sides
-    /// get back what they owe.
+    /// get back what they owe; what those of an end owe, the end has given.
     fn end_fans(&mut self, segment: usize, site: Site) {
         let beside = |fan: &StartingFan| match site {
             Site::Joint(k) => fan.segment == k || fan.segment == k + 1,
@@ -331,7 +331,15 @@ impl Leapfrog {
         for fan in self.fans.iter_mut().filter(|fan| fan.at_joint && joints.contains(&joint_of(fan))) {
             fan.end_after(self.step);
         }
-        self.fans.retain(|fan| fan.at_joint || !beside(fan));
+        let (left, right) = (&mut self.left, &mut self.right);
+        self.fans.retain(|fan| {
+            let stays = fan.at_joint || !beside(fan);
+            if !stays {
+                let end = if fan.side == 0 { &mut *left } else { &mut *right };
+                end.book_impulse(fan.owed);
+            }
+            stays
+        });
     }
 
     /// The node at which the bar parts: numbers of nodes are those of the cells to their right.

@@ -115,15 +115,16 @@ impl FrontTracking {
 
     /// When a plastic front meets another one that comes towards it, s.
     fn meets_plastic(&self, front: &FrontSegment, fronts: &[FrontSegment]) -> Option<f64> {
-        let meets = |other: &&FrontSegment| {
+        let near = SAME_PLACE * self.list.get(self.end_nodes[1]).x;
+        let ended = front.t[1] < self.now && !self.is_elastic(front);
+        let meets = |other: &FrontSegment| {
             other.segment == front.segment
                 && other.t[1] == front.t[1]
-                && other.x[1] == front.x[1]
-                && (other.x[0] - other.x[1]) * (front.x[0] - front.x[1]) < 0.0
+                && (other.x[1] - front.x[1]).abs() <= near
+                && (other.x[1] - other.x[0]) * (front.x[1] - front.x[0]) < 0.0
                 && !self.is_elastic(other)
         };
-        (!self.is_elastic(front) && front.t[1] < self.now && fronts.iter().any(|other| meets(&other)))
-            .then_some(front.t[1])
+        (ended && fronts.iter().any(meets)).then_some(front.t[1])
     }
 
     fn origin(&self, place: usize) -> Origin {

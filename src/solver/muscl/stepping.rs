@@ -248,11 +248,10 @@ impl Muscl {
     /// Gives blocks what goes through the faces inside fans.
     fn fill_fans(&mut self) {
         let dt = self.grid.dt;
-        for fan in self.fans.iter().filter(|fan| fan.is_imposed_at(self.step)) {
+        for fan in self.fans.iter().filter(|fan| fan.is_imposed_at(self.step) && fan.is_imposed_inside()) {
             let (part, time) = (&self.grid.segments[fan.segment], self.step as f64 * dt - fan.from);
             let origin = if fan.side == 0 { part.cells.start } else { part.cells.end };
-            let faces =
-                ((fan.imposed_reach(time + dt) / part.dx).ceil() as usize).min(fan.nodes).min(part.cells.len() - 1);
+            let faces = ((fan.reach(time + dt) / part.dx).ceil() as usize).min(fan.nodes).min(part.cells.len() - 1);
             for block in self.blocks.iter_mut().filter(|block| block.part == fan.segment) {
                 let Range { start, end } = block.cells;
                 let inside = if fan.side == 0 {

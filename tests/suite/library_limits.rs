@@ -191,7 +191,7 @@ fn profiles_are_read_between_the_frames() {
 fn a_run_without_an_end_of_its_interval_is_resumed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("out.h5");
-    let scene = pulled().set("solve.cells", 2000).build().expect("a right scene");
+    let scene = pulled().set("solve.cells", 8000).build().expect("a right scene");
     let mut calls = 0;
     let mut stop = |_: Progress| {
         calls += 1;

@@ -36,8 +36,8 @@ const WORK_BETWEEN_CALLS: u64 = 4_000_000;
 pub(super) const SIMILAR: &str = "self-similar solution";
 
 /// Why a peak has no error.
-const NO_LIMIT: &str = "; the peak force of a sudden load of a rate-dependent bar is not compared: it rises with the logarithm of 1/dt, without \
-                        a limit";
+const NO_LIMIT: &str = "; the peak force of a sudden load of a rate-dependent bar is not compared: it grows as the time step \
+                        falls, by most rate laws with the logarithm of 1/dt, up to that of an elastic bar";
 
 /// What a run on a grid gave, without recorders.
 #[derive(Debug, Clone, Serialize, Deserialize)]

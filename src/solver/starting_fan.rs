@@ -313,9 +313,13 @@ impl StartingFan {
 
     /// Its end moves with this velocity (m/s) at a time (s after its start) in this step.
     pub fn lose(&mut self, step: usize, time: f64, velocity: f64) {
-        let lost = self.loss(self.velocity_behind - velocity);
+        self.note_lost(step, time, self.loss(self.velocity_behind - velocity));
+    }
+
+    /// Its end has lost this velocity (m/s) at a time (s after its start) in this step.
+    fn note_lost(&mut self, step: usize, time: f64, velocity: f64) {
         if let Some(unloading) = &mut self.unloading {
-            unloading.note_velocity(time, lost);
+            unloading.note_velocity(time, velocity);
         }
         self.end_before_it_yields(step, time);
     }
@@ -353,8 +357,9 @@ impl StartingFan {
         let force =
             areas[1] * (stress + inward * impedance * behind) - 2.0 * areas[0] * elastic.arriving(beside[through]);
         let velocity = inward * force / (areas[1] * impedance + areas[0] * elastic.impedance);
+        let lost = plastic.loss(behind - velocity);
         for fan in fans {
-            fan.lose(step, middle, velocity);
+            fan.note_lost(step, middle, lost);
         }
     }
 

@@ -102,6 +102,13 @@ pub(super) struct Pilot {
     pub work: u64,
 }
 
+impl Pilot {
+    /// What the next one costs and estimates beside it tells how both go on: not where it had but a few fronts.
+    pub fn tells(&self) -> bool {
+        !self.method.tracks_fronts() || self.work >= FEW_EVENTS
+    }
+}
+
 impl Candidate {
     pub fn new(method: Method) -> Self {
         // Its expected time limits it.
@@ -156,6 +163,9 @@ impl Candidate {
         }
         let [least, most] = EVENT_GROWTH;
         let [.., before, last] = &self.pilots[..] else { return least };
+        if !before.tells() {
+            return least;
+        }
         let seen = (last.work as f64 / before.work as f64).ln() / refinement(before, last).ln();
         if seen.is_finite() { seen.clamp(least, most) } else { least }
     }
@@ -163,6 +173,9 @@ impl Candidate {
     /// Order by which estimates are carried on from the last pilot: what the last two pilots say, but no more than its own.
     fn order(&self, last: &Pilot) -> f64 {
         let [.., before, _] = &self.pilots[..] else { return last.order };
+        if !before.tells() {
+            return last.order;
+        }
         let seen = (before.estimate / last.estimate).ln() / refinement(before, last).ln();
         if seen.is_finite() { seen.clamp(LOWEST_ORDER.min(last.order), last.order) } else { last.order }
     }

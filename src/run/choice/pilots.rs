@@ -104,7 +104,7 @@ pub(super) fn front_pilot(
         return Ok(());
     };
     let (estimate, worst) = (table.largest().map_or(0.0, |largest| largest.1), table.worst());
-    let before = candidate.pilots.last().map(|p| p.estimate);
+    let before = candidate.pilots.last().filter(|pilot| pilot.tells()).map(|pilot| pilot.estimate);
     let order = before.map_or(FRONT_ORDER, |before| {
         ((before / estimate).ln() / COMPANION_RATIO.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
     });

@@ -14,7 +14,7 @@ use crate::bar::{Bar, EndCondition, Initial, InitialFan, SuddenLoads};
 use crate::law::FirstPassed;
 use crate::solver::fd::{Grid, SegmentLaw};
 use crate::solver::{EndState, Resolution, StartingFan};
-use crate::wave::riemann::{Flux, Medium, Workspace};
+use crate::wave::riemann::{FaceState, Flux, Medium, Workspace};
 
 /// Bars with fewer cells than this are stepped on one thread: below it, waking a second thread costs more than it saves.
 const PARALLEL_FROM: usize = 16_384;
@@ -211,34 +211,8 @@ impl Muscl {
             let parts = [&self.parts[left.part], &self.parts[right.part]];
             let near = [(left, parts[0], 1), (right, parts[1], 0)]
                 .map(|(block, part, side)| face::near(block, part, side, &mut self.state, &mut self.work));
-            let step = self.step;
-            let beside = |fan: &&mut StartingFan| {
-                fan.at_joint && fan.is_imposed_at(step) && [(k, 1), (k + 1, 0)].contains(&(fan.segment, fan.side))
-            };
-            let mut fans: Vec<&mut StartingFan> = self.fans.iter_mut().filter(beside).collect();
-            if let [left, right] = &mut fans[..]
-                && left.follows_wave()
-                && !left.begins_at(step)
-            {
-                let states = near.each_ref().map(|near| [near.point.stress, near.point.velocity]);
-                let time = step as f64 * dt - left.from;
-                StartingFan::follow_wave([left, right], step, [time, dt], states, parts.map(|part| part.area));
-            }
-            let behind = |fan: &&mut StartingFan| {
-                // On the grid the faces may have met within the step before.
-                let starts = fan.starts_within(step, dt).filter(|_| joint.is_apart());
-                let time = (step as f64 * dt - fan.from).max(0.0);
-                let [velocity, stress] = starts.unwrap_or_else(|| fan.means(0.0, time, dt));
-                Flux { stress, velocity }
-            };
-            let known = <[_; 2]>::try_from(fans).ok().map(|fans| {
-                let mut fluxes = fans.each_ref().map(behind);
-                // What comes through this side is not known from its fan; both have one force.
-                if let Some(side) = fans.iter().position(|fan| fan.follows_wave() && fan.stays_elastic()) {
-                    fluxes[side].stress = fluxes[1 - side].stress * parts[1 - side].area / parts[side].area;
-                }
-                fluxes
-            });
+            let fans = fans_of_joint(&mut self.fans, k, self.step);
+            let known = fans.map(|fans| behind_fans(fans, self.step, dt, (parts, &near), joint.is_apart()));
             let [from_left, from_right] = joint.step_flux(dt, parts, &near, known, &mut self.work);
             self.blocks[joint.edge].outer[1] = Some(from_left);
             self.blocks[joint.edge + 1].outer[0] = Some(from_right);
@@ -304,4 +278,41 @@ fn blocks(bar: &Bar, grid: &Grid, parts: &[Part]) -> Vec<Block> {
         }
     }
     blocks
+}
+
+/// The fans of the joint to the right of a segment that are imposed in this step, that of the left side first.
+fn fans_of_joint(fans: &mut [StartingFan], segment: usize, step: usize) -> Option<[&mut StartingFan; 2]> {
+    let sides = [(segment, 1), (segment + 1, 0)];
+    let here =
+        |fan: &&mut StartingFan| fan.at_joint && fan.is_imposed_at(step) && sides.contains(&(fan.segment, fan.side));
+    let mut found = fans.iter_mut().filter(here);
+    Some([found.next()?, found.next()?])
+}
+
+/// What goes through a joint behind its fans; its sides may be `apart` before this step.
+fn behind_fans(
+    fans: [&mut StartingFan; 2],
+    step: usize,
+    dt: f64,
+    (parts, near): ([&Part; 2], &[FaceState; 2]),
+    apart: bool,
+) -> [Flux; 2] {
+    let [left, right] = fans;
+    let time = step as f64 * dt - left.from;
+    if left.follows_wave() && !left.begins_at(step) {
+        let states = near.each_ref().map(|near| [near.point.stress, near.point.velocity]);
+        StartingFan::follow_wave([&mut *left, &mut *right], step, [time, dt], states, parts.map(|part| part.area));
+    }
+    let fans = [&*left, &*right];
+    let mut fluxes = fans.map(|fan| {
+        // On the grid the faces may have met within the step before.
+        let starts = fan.starts_within(step, dt).filter(|_| apart);
+        let [velocity, stress] = starts.unwrap_or_else(|| fan.means(0.0, time.max(0.0), dt));
+        Flux { stress, velocity }
+    });
+    // What comes through this side is not known from its fan; both have one force.
+    if let Some(side) = fans.iter().position(|fan| fan.follows_wave() && fan.stays_elastic()) {
+        fluxes[side].stress = fluxes[1 - side].stress * parts[1 - side].area / parts[side].area;
+    }
+    fluxes
 }

@@ -88,10 +88,15 @@ fn hold(fans: &mut Vec<InitialFan>, held: &[InitialFan], scene: &Scene) {
     let same = |a: &InitialFan, b: &InitialFan| {
         a.origin == b.origin && a.segment == b.segment && (a.from - b.from).abs() <= SAME_TIME * a.from
     };
+    // On a grid the wave of a load that lessens loses its front before it closes a gap, sooner than it does exactly.
+    let steady = steady_for(scene, STEADY);
+    for fan in fans.iter_mut().filter(|fan| fan.wave_through.is_none() && fan.waves_before > 0) {
+        fan.holds_until = fan.holds_until.min(steady);
+    }
     for held in held {
         let found = fans.iter_mut().find(|fan| same(fan, &held));
         if held.wave_through.is_none() {
-            if let Some(fan) = found {
+            if let Some(fan) = found.filter(|fan| fan.waves_before == 0) {
                 fan.holds_until = held.holds_until;
             }
         } else if held.waves_before == 0 {
@@ -126,9 +131,10 @@ fn under_wave(fan: &InitialFan, fans: &[InitialFan], scene: &Scene) -> InitialFa
 /// changes by 5 % over 6 cells.
 const STEADY: f64 = 0.05;
 
-/// Part of what it brings beyond yield that it may lose at most. The elongation of a plastic zone that ends where all of that is lost is too large by the
-/// square of this part.
-const STEADY_PLASTIC: f64 = 0.15;
+/// The same as part of what it brings beyond yield. At a fixed end, where the stress falls by twice as much, the elongation of a plastic zone that ends where all of
+/// that is lost is too large by the
+/// square of twice this part: 4 %.
+const STEADY_PLASTIC: f64 = 0.1;
 
 /// For how long the first waves of loads that have begun lose no more than a part of their stress, s.
 fn steady_for(scene: &Scene, change: f64) -> f64 {

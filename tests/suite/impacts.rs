@@ -160,8 +160,8 @@ fn a_given_mass_is_the_mass() {
             let density = if name == "plate.toml" { "" } else { "striker.density=" };
             let sets = [density, &radius, &mass, own, more];
             let sets: Vec<&str> = sets.into_iter().filter(|set| !set.is_empty()).collect();
-            for command in ["plan", "run"] {
-                let output = barwave(folder.path(), command, name, &sets, &[]);
+            for (command, output) in [("plan", &[][..]), ("run", &["-o", "out.h5", "--force"][..])] {
+                let output = barwave(folder.path(), command, name, &sets, output);
                 let message = String::from_utf8_lossy(&output.stderr);
                 assert_eq!(output.status.code(), Some(0), "{command} {name} {radius} {mass}: {message}");
             }

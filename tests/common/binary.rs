@@ -39,3 +39,12 @@ pub fn refused(folder: &Path, arguments: &[&str]) -> String {
     assert!(message.contains("help: "), "{message}");
     message
 }
+
+/// The summary of a scene that runs to its end.
+pub fn summary_of(scene: &str) -> serde_json::Value {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("scene.toml"), scene).expect("a folder to write to");
+    let run = barwave(folder.path(), &["run", "--json", "scene.toml"]);
+    assert_eq!(run.status.code(), Some(0), "{}\n{scene}", String::from_utf8_lossy(&run.stderr));
+    serde_json::from_slice(&run.stdout).expect("JSON")
+}

@@ -3,8 +3,39 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use barwave::impact::{Beam, Elastic, Face, Foundation, Plate, Section, Solid};
 use barwave::record::store::{ResultFile, StoredImpact};
 use serde_json::Value;
+
+/// A steel.
+pub const STEEL: Elastic = Elastic { modulus: 207e9, poisson: 0.3, density: 7850.0, yield_stress: None };
+
+/// A ball of 5 mm with this velocity, m/s.
+pub fn ball(velocity: f64) -> Solid {
+    Solid { radius: 0.005, mass: 0.0041, velocity, elastic: STEEL }
+}
+
+/// A plate that the ball strikes at 1 m/s.
+pub fn plate() -> Plate {
+    Plate { thickness: 0.01, elastic: STEEL, striker: ball(1.0), tolerance: 1e-6, until: None }
+}
+
+/// A beam that the ball strikes in the middle at 0.01 m/s.
+pub fn beam() -> Beam {
+    Beam {
+        length: 0.15,
+        section: Section { area: 1e-4, inertia: 8e-10, depth: 0.01, face: Face::Flat { width: 0.01 } },
+        elastic: STEEL,
+        foundation: Foundation::default(),
+        striker: ball(0.01),
+        at: 0.075,
+        gauges: Vec::new(),
+        shapes: 0,
+        until: None,
+        tolerance: 1e-3,
+        modes: None,
+    }
+}
 
 /// Path of a scene in `runs/`.
 pub fn scene(name: &str) -> PathBuf {

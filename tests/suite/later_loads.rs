@@ -73,17 +73,9 @@ impl Case {
         result.gauges().expect("gauges").remove(0).trace
     }
 
-    fn summary_of(scene: &str) -> Value {
-        let folder = tempfile::tempdir().expect("a folder");
-        std::fs::write(folder.path().join("scene.toml"), scene).expect("a folder to write to");
-        let run = binary::barwave(folder.path(), &["run", "--json", "scene.toml"]);
-        assert_eq!(run.status.code(), Some(0), "{}\n{scene}", String::from_utf8_lossy(&run.stderr));
-        serde_json::from_slice(&run.stdout).expect("JSON")
-    }
-
     /// A number of the summary.
     fn figure(&self, solve: &str, pointer: &str) -> f64 {
-        let summary = Self::summary_of(&self.scene(solve));
+        let summary = binary::summary_of(&self.scene(solve));
         summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer} in {summary}"))
     }
 
@@ -420,7 +412,7 @@ fn a_remedy_that_the_scene_cannot_have_is_not_offered() {
         "{ density = 8000, modulus = 200e9, poisson = 0.3, curve = { table = [[0.002, 400e6], [0.02, 500e6]] } }";
     let message = |joint: &str| {
         let bar = segment(0.2, steel, 5.0, joint) + &segment(0.3, steel, 0.0, "");
-        let found = Case::summary_of(&Case::new(bar, FREE, FREE, "60 us").scene("cells = 200"));
+        let found = binary::summary_of(&Case::new(bar, FREE, FREE, "60 us").scene("cells = 200"));
         let rows = found["audit"].as_array().expect("an audit").clone();
         rows.iter().find(|row| row["effect"] == "lateral-inertia").expect("an estimate").to_string()
     };
@@ -564,7 +556,7 @@ fn loads_that_decay_far_are_right_with_kinematic_hardening() {
     let end = "kind = \"stress\"\nhistory = [[0, 700e6], [1e-4, 0]]";
     let case = Case::new(segment(0.5, BILINEAR, 0.0, ""), FREE, end, "90 us");
     let by = |solve: &str| {
-        let summary = Case::summary_of(&case.scene(solve).replace("isotropic", "kinematic"));
+        let summary = binary::summary_of(&case.scene(solve).replace("isotropic", "kinematic"));
         ["residual_strain_largest", "right/impulse_N_s"]
             .map(|name| summary.pointer(&format!("/figures/{name}")).and_then(Value::as_f64).expect("a figure"))
     };
@@ -587,7 +579,7 @@ fn a_striker_that_flies_away_does_nothing() {
         "240 us",
     );
     for solve in ["cells = 400", "scheme = \"muscl\"\ncells = 400", "method = \"moc\""] {
-        let summary = Case::summary_of(&case.scene(solve));
+        let summary = binary::summary_of(&case.scene(solve));
         let force = summary.pointer("/figures/right/peak_force_N").and_then(Value::as_f64);
         assert_eq!(force.unwrap_or(0.0), 0.0, "{solve}: {summary}");
     }
@@ -651,7 +643,7 @@ fn the_impulse_of_lateral_inertia_as_a_gap_closes_is_no_peak() {
             "{bar}[right]\nkind = \"wall\"\ngap = {gap}\n[effects]\nlateral-inertia = true\n[solve]\nuntil = 1e-4\ncells = {cells}\n\
              [record]\nframes = 2\n"
         );
-        Case::summary_of(&scene).pointer("/figures/right/peak_force_N").and_then(Value::as_f64).expect("a peak")
+        binary::summary_of(&scene).pointer("/figures/right/peak_force_N").and_then(Value::as_f64).expect("a peak")
     };
     for cells in [250, 1000] {
         let [later, at_start] = [1e-4, 0.0].map(|gap| peak(gap, cells));
@@ -704,7 +696,7 @@ fn a_fan_that_meets_a_plastic_front_takes_no_impulse_from_it() {
     let left = "kind = \"stress\"\nhistory = [[0, -300e6], [2e-5, -300e6], [2e-5, 300e6]]";
     let kinematic = |cells: usize| {
         let case = Case::new(segment(0.5, BILINEAR, 0.0, ""), left, "kind = \"absorbing\"", "60 us");
-        let summary = Case::summary_of(&case.scene(&format!("cells = {cells}")).replace("isotropic", "kinematic"));
+        let summary = binary::summary_of(&case.scene(&format!("cells = {cells}")).replace("isotropic", "kinematic"));
         [&summary["figures"]["left"]["impulse_N_s"], &summary["end_time_s"]].map(|n| n.as_f64().expect("a number"))
     };
     let [impulse, time] = kinematic(300);
@@ -806,7 +798,7 @@ fn a_joint_to_a_larger_section_follows_the_wave_that_comes_to_it() {
         let case = Case::new(segment(1e-4, hard) + &segment(area, soft), left, FREE, "190 us");
         case.assert_near("joint", "energy_absorbed_J", &[400, 800], 0.04);
         for scheme in ["leapfrog", "muscl"] {
-            let summary = Case::summary_of(&case.scene(&format!("scheme = \"{scheme}\"\ncells = 400")));
+            let summary = binary::summary_of(&case.scene(&format!("scheme = \"{scheme}\"\ncells = 400")));
             let residual = summary.pointer("/ledger/energy_residual").and_then(Value::as_f64).expect("a number");
             assert!(residual < 1e-12, "{scheme}: {residual:e}");
         }
@@ -822,7 +814,7 @@ fn a_gap_that_a_decaying_wave_closes_adds_no_energy() {
     let left = "kind = \"striker\"\nmass = 0.06057\nvelocity = 13.763";
     let case = Case::new(segment(1.0127, steel, 0.0, ""), left, "kind = \"wall\"\ngap = 1e-6", "390 us");
     for cells in [100, 200, 400] {
-        let summary = Case::summary_of(&case.scene(&format!("cells = {cells}")));
+        let summary = binary::summary_of(&case.scene(&format!("cells = {cells}")));
         let absorbed = summary.pointer("/figures/energy_absorbed_J").and_then(Value::as_f64).expect("a number");
         assert!((absorbed / 4.12 - 1.0).abs() < 0.2, "{cells} cells: {absorbed} J");
     }

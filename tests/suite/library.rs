@@ -6,7 +6,7 @@ use std::path::Path;
 use barwave::bar::History;
 use barwave::error::{Error, InputError, Result};
 use barwave::impact::{
-    self, Beam, Blow, Elastic, Face, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
+    self, Beam, Blow, Elastic, Foundation, Plate, Section, Solid, Solution, Specimen, Spheres, Toughness,
 };
 use barwave::material::{
     Beyond, Curve, Law, Material, Measure, Sense, Tabulate, library, tabulate_law, tabulate_true_rows,
@@ -21,6 +21,8 @@ use barwave::study::cost::{Hooks, cost};
 use barwave::study::sweep::{self, Shard, Sweep};
 use barwave::toml::Value;
 use hdf5::types::VarLenUnicode;
+
+use crate::common::impacts::{STEEL, ball, beam, plate};
 
 fn pulled() -> SceneBuilder {
     Scene::builder()
@@ -112,22 +114,7 @@ fn assert_names(problem: &dyn impact::Problem, member: &str) {
 
 #[test]
 fn impacts_out_of_range_are_errors_that_name_the_member() {
-    let steel = Elastic { modulus: 207e9, poisson: 0.3, density: 7850.0, yield_stress: None };
-    let ball = |velocity: f64| Solid { radius: 0.005, mass: 0.0041, velocity, elastic: steel };
-    let plate = Plate { thickness: 0.01, elastic: steel, striker: ball(1.0), tolerance: 1e-6, until: None };
-    let beam = Beam {
-        length: 0.15,
-        section: Section { area: 1e-4, inertia: 8e-10, depth: 0.01, face: Face::Flat { width: 0.01 } },
-        elastic: steel,
-        foundation: Foundation::default(),
-        striker: ball(0.01),
-        at: 0.075,
-        gauges: Vec::new(),
-        shapes: 0,
-        until: None,
-        tolerance: 1e-3,
-        modes: None,
-    };
+    let (plate, beam) = (plate(), beam());
     let hertz = |solids| Spheres::Hertz { solids, tolerance: 1e-6 };
     assert!(solved(&plate).is_ok() && solved(&beam).is_ok() && solved(&hertz([ball(1.0), ball(0.5)])).is_ok());
     for wrong in [f64::NAN, 0.0, -1.0] {
@@ -137,7 +124,7 @@ fn impacts_out_of_range_are_errors_that_name_the_member() {
         assert_names(&Beam { striker: ball(wrong), ..beam.clone() }, "striker.velocity");
         assert_names(&Beam { until: Some(wrong), ..beam.clone() }, "until");
         assert_names(&Beam { at: wrong, ..beam.clone() }, "at");
-        let elastic = Elastic { density: wrong, ..steel };
+        let elastic = Elastic { density: wrong, ..STEEL };
         assert_names(&Beam { elastic, ..beam.clone() }, "elastic.density");
         assert_names(&hertz([ball(1.0), Solid { mass: wrong, ..ball(0.0) }]), "solids.1.mass");
         let masses = [wrong, 1.0];

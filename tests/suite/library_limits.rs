@@ -7,7 +7,7 @@ use std::time::Duration;
 use barwave::assemble;
 use barwave::bar::History;
 use barwave::error::{Error, InputError, Result};
-use barwave::impact::{Beam, Elastic, Face, Foundation, Plate, Problem, Section, Solid, Spheres};
+use barwave::impact::{Beam, Plate, Problem, Spheres};
 use barwave::input::Document;
 use barwave::material::{Beyond, Curve, CurveError, Material, Sense, mean_curve, mean_modulus, tabulate_true_rows};
 use barwave::record::Field;
@@ -20,15 +20,7 @@ use barwave::study::compare_results::profile_at;
 use barwave::study::sweep::{Axis, Combine, Level, Sweep};
 use barwave::wave::similarity::{fan_at_stress, fan_at_velocity};
 
-const STEEL: Elastic = Elastic { modulus: 207e9, poisson: 0.3, density: 7850.0, yield_stress: None };
-
-fn ball(velocity: f64) -> Solid {
-    Solid { radius: 0.005, mass: 0.0041, velocity, elastic: STEEL }
-}
-
-fn plate() -> Plate {
-    Plate { thickness: 0.01, elastic: STEEL, striker: ball(1.0), tolerance: 1e-6, until: None }
-}
+use crate::common::impacts::{ball, beam, plate};
 
 fn struck() -> SceneBuilder {
     Scene::builder()
@@ -62,19 +54,7 @@ fn tolerances_and_counts_of_impacts_are_those_that_scenes_allow() {
         assert!(!error.allowed.is_empty(), "{error:?}");
         error
     };
-    let beam = Beam {
-        length: 0.15,
-        section: Section { area: 1e-4, inertia: 8e-10, depth: 0.01, face: Face::Flat { width: 0.01 } },
-        elastic: STEEL,
-        foundation: Foundation::default(),
-        striker: ball(0.01),
-        at: 0.075,
-        gauges: Vec::new(),
-        shapes: 0,
-        until: None,
-        tolerance: 1e-3,
-        modes: None,
-    };
+    let beam = beam();
     for tolerance in [f64::NAN, 1e-308, 1e-18, 9e-13, 0.011, 0.5] {
         let problems: [&dyn Problem; 3] = [
             &Plate { tolerance, ..plate() },

@@ -46,19 +46,11 @@ fn figure(scene: &str, until: &str, solve: &str, pointer: &str) -> f64 {
     let text = format!(
         "{scene}[effects]\nhardening = \"isotropic\"\n[solve]\nuntil = \"{until}\"\n{solve}\n[record]\nframes = 2\n"
     );
-    read(&summary_of(&text), pointer)
+    read(&binary::summary_of(&text), pointer)
 }
 
 fn read(summary: &Value, pointer: &str) -> f64 {
     summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer} in {summary}"))
-}
-
-fn summary_of(scene: &str) -> Value {
-    let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("scene.toml"), scene).expect("a folder to write to");
-    let run = binary::barwave(folder.path(), &["run", "--json", "scene.toml"]);
-    assert_eq!(run.status.code(), Some(0), "{}\n{scene}", String::from_utf8_lossy(&run.stderr));
-    serde_json::from_slice(&run.stdout).expect("JSON")
 }
 
 /// A bilinear bar of 1 m under a stress (MPa, at times in us), with these effects.
@@ -66,7 +58,7 @@ fn stressed(history: &[(f64, f64)], effects: &str, cells: usize) -> Value {
     let rows: Vec<String> = history.iter().map(|(time, stress)| format!("[\"{time} us\", \"{stress} MPa\"]")).collect();
     let curve = "{ table = [[0.0015, \"300 MPa\"], [0.052, \"400 MPa\"]] }";
     let material = format!("{{ density = 8000, modulus = \"200 GPa\", beyond = \"extend\", curve = {curve} }}");
-    summary_of(&format!(
+    binary::summary_of(&format!(
         "[bar]\nlength = 1\narea = \"1 cm^2\"\nmaterial = {material}\n[left]\nkind = \"stress\"\nhistory = [{}]\n\
          [right]\nkind = \"absorbing\"\n[effects]\n{effects}\n[solve]\nuntil = \"190 us\"\nmethod = \"fd\"\ncells = {cells}\n\
          [record]\nframes = 1\n",

@@ -269,6 +269,7 @@ pub(super) fn with_later(
         let Some(fans) = follows else {
             if !is_ramp(scene, &fans[0]) {
                 missed.push(fans[0].origin);
+                first.extend(at_first_moment(fans, scene, grid, late));
             }
             continue;
         };
@@ -517,6 +518,23 @@ fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Op
     Some(fans.iter().map(lasts).collect())
 }
 
+/// Steps for which a fan that is too short for the grid gives the force of its joint: the first one or two.
+const FIRST_STEPS: f64 = 1.5;
+
+/// Returns the fans that a sharp wave starts at a joint and that end before the grid can follow them, as under a light striker. They give the
+/// joint its force just after the wave has arrived. Empty for ends, and for waves that have spread on the grid.
+fn at_first_moment(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
+    let fan = &fans[0];
+    let is_sharp = fan.wave_through.is_some_and(|through| arrives_sharp(fan, through, scene, grid, late));
+    if !matches!(fan.origin, Origin::Joint(_)) || !is_sharp {
+        return Vec::new();
+    }
+    let from = (fan.from / grid.dt).round() * grid.dt;
+    let short =
+        |fan: &InitialFan| InitialFan { from, holds_until: FIRST_STEPS * grid.dt, lessens_from: 0.0, ..fan.clone() };
+    fans.iter().map(short).collect()
+}
+
 /// Cells over which grids spread a plastic front.
 const SPREAD: f64 = 7.0;
 
@@ -553,19 +571,27 @@ fn is_elastic(fan: &InitialFan, bar: &Bar) -> bool {
 /// When the fans of an end or a joint start, s. None where the grid does not have what starts them as sharply: a wave that is a jump between two
 /// cells, as it is where waves travel a cell in a step, or a gap between bodies to which only such waves have come.
 fn start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Option<f64> {
-    let (bar, steps) = (&scene.bar, fans[0].from / grid.dt);
-    // By what it comes late on the grid, a wave has spread.
-    let is_sharp = |segment: usize| {
-        let courant = bar.segments[segment].material.c0() * grid.dt / grid.segments[segment].dx;
-        steps * (1.0 - courant) < late
-    };
+    let steps = fans[0].from / grid.dt;
     if let Some(through) = fans[0].wave_through {
-        let arrives = is_sharp(through) && (steps - steps.round()).abs() < late;
+        let arrives = arrives_sharp(&fans[0], through, scene, grid, late);
         return (arrives && fans.iter().all(|fan| has_room(fan, scene, grid))).then(|| steps.round() * grid.dt);
     }
     let starts = can_close(scene, fans[0].origin) || jumps(scene, fans[0].origin, fans[0].from);
-    let is_known = |fan: &InitialFan| fan.waves_before == 0 || is_sharp(fan.segment);
+    let is_known = |fan: &InitialFan| fan.waves_before == 0 || stays_sharp(fan, fan.segment, scene, grid, late);
     (starts && fans.iter().all(is_known)).then(|| in_parts(steps) * grid.dt)
+}
+
+/// Returns whether the wave that starts a fan arrives through this segment as a jump between two cells, at a whole step.
+fn arrives_sharp(fan: &InitialFan, through: usize, scene: &Scene, grid: &Grid, late: f64) -> bool {
+    let steps = fan.from / grid.dt;
+    stays_sharp(fan, through, scene, grid, late) && (steps - steps.round()).abs() < late
+}
+
+/// Returns whether elastic waves of this segment are still jumps between two cells when a fan starts. The delay of a wave on the grid measures how far
+/// it has spread.
+fn stays_sharp(fan: &InitialFan, segment: usize, scene: &Scene, grid: &Grid, late: f64) -> bool {
+    let courant = scene.bar.segments[segment].material.c0() * grid.dt / grid.segments[segment].dx;
+    fan.from / grid.dt * (1.0 - courant) < late
 }
 
 /// Part of a time within which it is that of a jump.

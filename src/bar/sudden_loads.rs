@@ -67,6 +67,10 @@ impl SuddenLoads {
 /// their stress is 2 % too small after 12, and right after 20.
 const EXCEEDED_CELLS: f64 = 48.0;
 
+/// Cells that elastic waves cross while a joint shows the force just after a decaying wave has arrived: the first two steps. The cells beside the joint
+/// show a force only after the wave has decayed for some three cells.
+const FIRST_CELLS: f64 = 2.0;
+
 /// The load behind a fan, on cells of length `dx` (m); none where the segment stays elastic: grids are exact there.
 fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
     let segment = &bar.segments[fan.segment];
@@ -78,7 +82,12 @@ fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
         let lasts = fan.known_until(segment.length).min(fan.followed_for(dx, c0));
         (fan.state_behind()?, lasts, (fan.driver == Driver::Body).then(by_body))
     };
-    // Schemes show fans themselves whose loads change.
-    let shown = fan.delays.is_empty() && (fan.driver == Driver::Body || lasts <= fan.lessens_from);
+    let fades = fan.driver != Driver::Body && lasts > fan.lessens_from;
+    let lasts = match fan.origin {
+        Origin::Joint(_) if fades => lasts.min(FIRST_CELLS * dx / c0),
+        _ => lasts,
+    };
+    // Schemes show the states of ends behind fans whose loads change themselves.
+    let shown = fan.delays.is_empty() && (!fades || matches!(fan.origin, Origin::Joint(_)));
     (lasts > 0.0 && shown).then_some(SuddenLoad { stress, velocity, slope, from: fan.from, lasts, fading: None })
 }

@@ -1,10 +1,10 @@
-//! Text with columns, as spreadsheets and instruments write it: two of them (`read`), or a table of any number with a preamble and units
-//! (`table`).
+//! Reading of delimited text as spreadsheets and instruments write it: files of two columns (`read`), and tables with any number of columns, a
+//! preamble and units (`table`).
 //!
-//! The delimiter is a semicolon, a tab, a comma or blanks: the one that parts most lines. Next to a semicolon, a tab or blanks, and inside
-//! quotes, a comma marks the decimals, where it cannot mean thousands. Empty lines and lines that start with `#` are skipped. A first line
-//! without numbers is a header. Empty columns after the second are ignored. Before the header of a table there may be other lines, and after
-//! it one of units; a comment above the numbers that names every column is a header, too.
+//! The delimiter is the one of semicolon, tab, comma and blanks that separates most lines into columns. If the delimiter is a semicolon, a tab or
+//! blanks, and inside quotes, a comma is the decimal mark unless it can be a separator of thousands. Empty lines and lines that start with `#` are
+//! skipped. A first line without numbers is a header. Empty columns after the second are ignored. Other lines may precede the header of a table,
+//! and a line of units may follow it; a comment just above the numbers that names every column is also a header.
 
 use std::ops::Range;
 
@@ -12,60 +12,60 @@ use crate::error::{InputError, Result};
 use crate::input::{Document, nearest};
 use crate::units::{Dimension, in_heading, is_like_unit, one};
 
-/// A cell with its bytes in the text. In cells of numbers the decimal mark is a point.
+/// A cell with its byte range in the text. The decimal mark of numbers is a point.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cell {
     pub(crate) text: String,
     pub(crate) span: Range<usize>,
 }
 
-/// A line with two cells.
+/// A line with two cells and its byte range.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Row {
     pub(crate) cells: [Cell; 2],
     pub(crate) span: Range<usize>,
 }
 
-/// The lines of a file.
+/// The header and the rows of a file with two columns.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Columns {
     pub(crate) header: Option<Row>,
     pub(crate) rows: Vec<Row>,
 }
 
-/// A line with any number of cells.
+/// A line with any number of cells and its byte range.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Line {
     pub(crate) cells: Vec<Cell>,
     pub(crate) span: Range<usize>,
 }
 
-/// A table of many columns. Its cells are as they stand in the text, with decimal commas.
+/// A table with any number of columns. Its cells hold the text of the file; decimal commas are not yet replaced.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Table {
     pub(crate) header: Option<Line>,
-    /// A line of units below the header.
+    /// Line of units below the header.
     pub(crate) units: Option<Line>,
     pub(crate) rows: Vec<Line>,
-    /// Columns of most rows.
+    /// Number of columns in most rows.
     pub(crate) width: usize,
-    /// Lines before the header, which are ignored.
+    /// Number of lines before the header, which are ignored.
     pub(crate) preamble: usize,
     delimiter: char,
 }
 
 impl Table {
-    /// The unit of a column in the line below the header; empty where there is none.
+    /// Returns the unit of a column from the line below the header; empty if there is none.
     pub(crate) fn unit_below(&self, column: usize) -> &str {
         let cell = self.units.as_ref().and_then(|line| line.cells.get(column));
         cell.map_or("", |cell| cell.text.trim_matches(['(', ')', '[', ']']))
     }
 
-    /// The place of a column by its number, from 1, or its heading, in any case; `name_of` is what a heading says without the unit. `key` is
-    /// what named the column.
+    /// Returns the index of the column with this number (from 1) or heading (in any case). `name_of` removes the unit from a heading; `key` is the
+    /// key that named the column, for messages.
     ///
     /// # Errors
-    /// There is no such column, or there are several.
+    /// There is no such column, or several have this heading.
     pub(crate) fn column(
         &self,
         document: &Document,
@@ -102,10 +102,10 @@ impl Table {
         }
     }
 
-    /// Keeps these columns of every row, and makes points of their decimal commas.
+    /// Keeps these two columns of every row and replaces their decimal commas by points.
     ///
     /// # Errors
-    /// A row without one of them, or a comma in a number whose meaning is not certain.
+    /// A row lacks one of the columns, or the meaning of a comma in a number is ambiguous.
     pub(crate) fn keep(&mut self, document: &Document, places: [usize; 2]) -> Result<()> {
         let needed = places[0].max(places[1]);
         for row in &mut self.rows {
@@ -128,10 +128,10 @@ impl Table {
         decimal_commas(document, &mut self.rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())
     }
 
-    /// Makes points of the decimal commas of all rows.
+    /// Replaces the decimal commas of all rows by points.
     ///
     /// # Errors
-    /// A line with fewer or more columns than most, or a comma in a number whose meaning is not certain.
+    /// A row does not have the usual number of columns, or the meaning of a comma in a number is ambiguous.
     pub(crate) fn complete(&mut self, document: &Document) -> Result<()> {
         for row in &self.rows {
             let filled = row.cells.iter().filter(|cell| !cell.text.is_empty()).count();
@@ -143,11 +143,11 @@ impl Table {
     }
 }
 
-/// Reads a table: the numbers start at the first of two lines with two or more numbers each and as many cells as most lines, or at lines
-/// that start with a number just before them.
+/// Reads a table. Its numbers start at the first of two successive lines that have the usual number of cells and two or more numbers each; lines
+/// just before them that start with a number belong to the numbers, too.
 ///
 /// # Errors
-/// A text without such lines.
+/// The text has no such lines.
 pub(crate) fn table(document: &Document) -> Result<Table> {
     let delimiter = delimiter(&document.text);
     let mut rows: Vec<Line> = lines(&document.text).map(|(span, line)| cells(span, line, delimiter, 2)).collect();
@@ -173,18 +173,18 @@ pub(crate) fn table(document: &Document) -> Result<Table> {
     Ok(Table { header, units, rows: data, width, preamble: rows.len(), delimiter })
 }
 
-/// The first row of numbers.
+/// Returns the index of the first row of numbers.
 fn first_data(rows: &[Line], width: usize) -> Option<usize> {
     let starts_with_number = |row: &Line| row.cells.len() > 1 && row.cells.first().is_some_and(is_number);
     let is_data = |row: &Line| row.cells.len() == width && row.cells.iter().filter(|cell| is_number(cell)).count() >= 2;
     let starts = |k: &usize| is_data(&rows[*k]) && rows.get(k + 1).is_none_or(is_data);
     let sure = (0..rows.len()).find(starts).or_else(|| rows.iter().position(starts_with_number))?;
-    // A row with a wrong cell belongs to the numbers: it is an error, not a part of the preamble.
+    // A row with one wrong cell belongs to the numbers: it is an error, not a part of the preamble.
     let before = rows[..sure].iter().rev().take_while(|row| row.cells.len() == width && starts_with_number(row));
     Some(sure - before.count())
 }
 
-/// The last comment of a text, where it names all columns: `# strain stress_MPa`, as numerical programs write it.
+/// Returns the last comment of a text if it names all columns: `# strain stress_MPa`, as numerical programs write it.
 fn header_in_comment(before: &str, delimiter: char, width: usize) -> Option<Line> {
     let line = before.trim_end().rsplit('\n').next()?;
     let text = line.trim_start().strip_prefix('#')?.trim_start();
@@ -193,7 +193,7 @@ fn header_in_comment(before: &str, delimiter: char, width: usize) -> Option<Line
     (header.cells.len() == width && !header.cells.iter().any(is_number)).then_some(header)
 }
 
-/// Cells of most lines; of equally frequent numbers the largest.
+/// Returns the number of cells of most lines; the largest number if several are equally frequent.
 fn usual_width(rows: &[Line]) -> usize {
     let mut widths: Vec<usize> = rows.iter().map(|row| row.cells.len()).collect();
     widths.sort_unstable();
@@ -206,7 +206,7 @@ fn is_number(cell: &Cell) -> bool {
     finite(&text.replace(',', ".")) || [Grouping::ENGLISH, Grouping::GERMAN].iter().any(|g| g.certain(&text))
 }
 
-/// `(mm)`, `[kN]`, `MPa` or nothing, as in a line of units.
+/// Whether a cell can belong to a line of units: `(mm)`, `[kN]`, `MPa` or nothing.
 fn is_unit(text: &str) -> bool {
     let known = |dimension| in_heading(text, dimension).is_ok();
     text.is_empty()
@@ -216,10 +216,10 @@ fn is_unit(text: &str) -> bool {
             .contains(&true)
 }
 
-/// Reads all lines of a file with two columns. `of_more` is the help for files with more columns.
+/// Reads all lines of a file with two columns. `of_more` is the help text for files with more columns.
 ///
 /// # Errors
-/// A line with fewer or more than two columns, or a comma in a number whose meaning is not certain.
+/// A line does not have two columns, or the meaning of a comma in a number is ambiguous.
 pub(crate) fn read(document: &Document, of_more: &str) -> Result<Columns> {
     let delimiter = delimiter(&document.text);
     let row = |(span, line)| pair(document, span, line, delimiter, of_more);
@@ -230,7 +230,7 @@ pub(crate) fn read(document: &Document, of_more: &str) -> Result<Columns> {
     Ok(Columns { header, rows })
 }
 
-/// Lines with content, with the bytes they take.
+/// Iterates over the lines with content, with their byte ranges.
 fn lines(text: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
     let mut start = 0;
     text.split_inclusive('\n').filter_map(move |whole| {
@@ -242,10 +242,11 @@ fn lines(text: &str) -> impl Iterator<Item = (Range<usize>, &str)> {
     })
 }
 
-/// Stands for any number of blanks.
+/// Represents any number of blanks.
 const BLANKS: char = ' ';
 
-/// The one of `;`, tab, blanks and comma that parts most lines; the first of these, where several part as many. Blanks part only numbers.
+/// Returns the one of `;`, tab, blanks and comma that separates most lines; in case of a tie the first in this order. Blanks count only on lines of
+/// numbers.
 fn delimiter(text: &str) -> char {
     let mut counts = [(';', 0), ('\t', 0), (BLANKS, 0), (',', 0)];
     let is_number = |piece: &str| piece.replace(',', ".").replace('\u{2212}', "-").parse::<f64>().is_ok();
@@ -256,7 +257,7 @@ fn delimiter(text: &str) -> char {
                 *count += usize::from(numbers && line.split_whitespace().nth(1).is_some());
                 continue;
             }
-            // A tab after a comma only fills up.
+            // A tab after a comma is only padding.
             let parts = |cells: Vec<(usize, &str)>| {
                 cells.len() > 1
                     && cells[..2].iter().all(|(_, cell)| !cell.trim().starts_with(',') && !cell.trim().ends_with(','))
@@ -264,11 +265,11 @@ fn delimiter(text: &str) -> char {
             *count += usize::from(parts(split(line, *delimiter)));
         }
     }
-    // The last of equal maxima would win.
+    // `max_by_key` returns the last of equal maxima, hence the reversed order.
     counts.into_iter().rev().max_by_key(|(_, count)| *count).map_or(',', |(delimiter, _)| delimiter)
 }
 
-/// The pieces of a line between delimiters outside quotes, each with where it starts.
+/// Splits a line at the delimiters outside quotes; returns each piece with its byte offset.
 fn split(line: &str, delimiter: char) -> Vec<(usize, &str)> {
     if delimiter == BLANKS {
         return split_at_blanks(line);
@@ -286,7 +287,7 @@ fn split(line: &str, delimiter: char) -> Vec<(usize, &str)> {
     pieces
 }
 
-/// The pieces of a line between blanks; a unit in brackets belongs to the name before it.
+/// Splits a line at blanks; a unit in brackets belongs to the name before it.
 fn split_at_blanks(line: &str) -> Vec<(usize, &str)> {
     let mut pieces: Vec<(usize, &str)> = Vec::new();
     for piece in line.split_whitespace() {
@@ -299,7 +300,7 @@ fn split_at_blanks(line: &str) -> Vec<(usize, &str)> {
     pieces
 }
 
-/// The cells of a line, without the empty ones after the `least` first at its end.
+/// Returns the cells of a line without empty cells at its end; the first `least` cells are always kept.
 fn cells(span: Range<usize>, line: &str, delimiter: char, least: usize) -> Line {
     let pieces = split(line, delimiter);
     let cell = |(start, piece): (usize, &str)| {
@@ -313,7 +314,7 @@ fn cells(span: Range<usize>, line: &str, delimiter: char, least: usize) -> Line 
     Line { cells, span }
 }
 
-/// A line with two columns.
+/// Returns the row of a line with two columns, or the error of a line with more or fewer.
 fn pair(document: &Document, span: Range<usize>, line: &str, delimiter: char, of_more: &str) -> Result<Row> {
     let Line { cells, span } = cells(span, line, delimiter, 2);
     let filled = cells.iter().filter(|cell| !cell.text.is_empty()).count();
@@ -340,12 +341,12 @@ fn wrong_count(document: &Document, span: Range<usize>, found: usize, wanted: us
     document.error(span, "", message).allowed(format!("{wanted} columns")).help(help)
 }
 
-/// A word, as headers have them: no number, and nothing that starts like one.
+/// Whether a cell is a word as in headers: neither a number nor text that starts like one.
 fn is_name(cell: &str) -> bool {
     !cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,\u{2212}".contains(c)) && cell.parse::<f64>().is_err()
 }
 
-/// How a number is written with separators of thousands.
+/// A notation of numbers with separators of thousands.
 struct Grouping {
     separator: char,
     decimal: char,
@@ -355,7 +356,7 @@ impl Grouping {
     const ENGLISH: Self = Self { separator: ',', decimal: '.' };
     const GERMAN: Self = Self { separator: '.', decimal: ',' };
 
-    /// Whether a number can be written so: one to three digits, groups of three, decimals.
+    /// Whether a number can be written in this notation: one to three digits, groups of three, decimals.
     fn possible(&self, text: &str) -> bool {
         let unsigned = text.trim_start_matches(['+', '-', '\u{2212}']);
         let (whole, decimals) = unsigned.split_once(self.decimal).unwrap_or((unsigned, ""));
@@ -368,13 +369,13 @@ impl Grouping {
             && groups.all(|group| group.len() == 3 && digits(group))
     }
 
-    /// Whether it is written so with both marks, which has no other meaning.
+    /// Whether a number has both marks of this notation, which leaves no other meaning.
     fn certain(&self, text: &str) -> bool {
         text.contains(self.separator) && text.contains(self.decimal) && self.possible(text)
     }
 }
 
-/// Removes the separators of thousands where one number has both marks and all others can be written in the same way.
+/// Removes the separators of thousands if at least one number has both marks and all others can be written in the same notation.
 fn remove_groups(numbers: &mut [&mut Cell]) {
     for grouping in [Grouping::ENGLISH, Grouping::GERMAN] {
         let certain = numbers.iter().any(|cell| grouping.certain(&cell.text));
@@ -387,10 +388,10 @@ fn remove_groups(numbers: &mut [&mut Cell]) {
     }
 }
 
-/// Makes points of decimal commas in cells of numbers, and removes separators of thousands where they are certain.
+/// Replaces decimal commas by points in cells of numbers, and removes separators of thousands if they are unambiguous.
 ///
 /// # Errors
-/// A comma whose meaning is not certain.
+/// The meaning of a comma is ambiguous.
 fn decimal_commas(document: &Document, numbers: &mut [&mut Cell]) -> Result<()> {
     remove_groups(numbers);
     let cells = || numbers.iter().map(|cell| &**cell);
@@ -424,7 +425,7 @@ fn decimal_commas(document: &Document, numbers: &mut [&mut Cell]) -> Result<()> 
     Ok(())
 }
 
-/// One to three digits that do not start with 0, a comma, three digits.
+/// Whether a number can be read as thousands: one to three digits that do not start with 0, a comma, three digits.
 fn could_be_thousands(text: &str) -> bool {
     let unsigned = text.trim_start_matches(['+', '-', '\u{2212}']);
     let digits = |part: &str| part.bytes().all(|b| b.is_ascii_digit());
@@ -433,10 +434,10 @@ fn could_be_thousands(text: &str) -> bool {
     })
 }
 
-/// The unit in a heading; none where it has none.
+/// Returns the unit in a heading; `None` if it has none.
 ///
 /// # Errors
-/// It is no unit of this dimension.
+/// The unit does not have this dimension.
 pub(crate) fn unit_of<'a>(document: &Document, heading: &'a Cell, dimension: Dimension) -> Result<Option<&'a str>> {
     let Some(unit) = unit(&heading.text, dimension) else { return Ok(None) };
     let Err(reason) = one(unit, dimension) else { return Ok(Some(unit)) };
@@ -446,14 +447,14 @@ pub(crate) fn unit_of<'a>(document: &Document, heading: &'a Cell, dimension: Dim
     Err(error.allowed(format!("a unit of {what}, or none")).help(format!("write e.g. `{name} [{example}]`")).into())
 }
 
-/// A heading without its unit.
+/// Returns a heading without its unit.
 pub(crate) fn name(heading: &str, dimension: Dimension) -> &str {
     let end = unit(heading, dimension).and_then(|unit| heading.rfind(unit)).unwrap_or(heading.len());
     heading[..end].trim_end_matches(['[', '(', '_', ' '])
 }
 
-/// The unit in `time [us]`, `time (us)`, `time_us` or `time us`; or what stands there in place of one. What follows an underscore or a blank may be a
-/// part of the name.
+/// Returns the unit in `time [us]`, `time (us)`, `time_us` or `time us`, or the text in brackets in its place. After an underscore or a blank, only
+/// text that looks like a unit counts: it may be a part of the name.
 pub(crate) fn unit(heading: &str, dimension: Dimension) -> Option<&str> {
     if let Some(open) = heading.find(['[', '(']) {
         return heading[open + 1..].strip_suffix([']', ')']).map(str::trim).filter(|unit| !unit.is_empty());

@@ -1,5 +1,4 @@
-//! Where files may be written: never in place of a folder, a device, a named pipe, a socket or a file that was read; and how: whole or
-//! not at all.
+//! Writing of files: never in place of a folder, a device, a named pipe, a socket or a file that was read, and either completely or not at all.
 
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write as _};
@@ -10,10 +9,10 @@ use crate::error::{Error, InputError};
 use crate::inputs;
 use crate::text_file::special;
 
-/// The file that a path stands for: what a symbolic link points to, otherwise the path itself.
+/// Returns the file that a path refers to: the target of a symbolic link, otherwise the path itself.
 ///
 /// # Errors
-/// What stands there and must not be replaced, an input among it, or a symbolic link to nothing.
+/// The path refers to something that must not be replaced (including an input file), or is a symbolic link to nothing.
 pub fn resolve(path: &Path) -> Result<PathBuf, InputError> {
     let refuse =
         |what: &str, help: &str| Err(InputError::new(format!("the output {} {what}", path.display())).help(help));
@@ -33,15 +32,15 @@ pub fn resolve(path: &Path) -> Result<PathBuf, InputError> {
     Ok(if is_link { path.canonicalize().unwrap_or_else(|_| path.to_owned()) } else { path.to_owned() })
 }
 
-/// True of `-`, which stands for standard output.
+/// Whether the path is `-`, which stands for standard output.
 pub fn is_stdout(path: &Path) -> bool {
     path == Path::new("-")
 }
 
-/// Makes the folder of a file, and those above it.
+/// Creates the folder of a file and its missing parents.
 ///
 /// # Errors
-/// It is missing and cannot be made.
+/// The folder is missing and cannot be created.
 pub fn make_folder(path: &Path) -> Result<(), Error> {
     match path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         Some(folder) => folder_at(folder),
@@ -49,15 +48,15 @@ pub fn make_folder(path: &Path) -> Result<(), Error> {
     }
 }
 
-/// Makes a folder, and those above it.
+/// Creates a folder and its missing parents.
 ///
 /// # Errors
-/// It is missing and cannot be made.
+/// The folder is missing and cannot be created.
 pub fn folder_at(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|e| cannot_write(folder, &e))
 }
 
-/// The error of a file or a folder that the system does not let be written.
+/// Returns the error for a file or a folder that the system refuses to write.
 pub fn cannot_write(path: &Path, error: &std::io::Error) -> Error {
     let reason = match error.kind() {
         ErrorKind::NotFound => "there is no such folder, and it cannot be made",
@@ -74,16 +73,16 @@ pub fn cannot_write(path: &Path, error: &std::io::Error) -> Error {
     Error::file(path, format!("cannot write it: {reason}"))
 }
 
-/// Writes a file under a temporary name and then renames it: the final name never holds half a file. Missing folders are made; `-` is
-/// standard output.
+/// Writes a file under a temporary name and then renames it, so that the final name never holds an incomplete file. Missing folders are created;
+/// `-` is standard output.
 ///
 /// # Errors
-/// The folder cannot be written to, or what stands there must not be replaced.
+/// The folder cannot be written to, or the path refers to something that must not be replaced.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     if is_stdout(path) {
         let mut stdout = std::io::stdout().lock();
         let written = stdout.write_all(bytes).and_then(|()| stdout.flush());
-        // A reader that has gone away is no error.
+        // A reader that has closed the pipe is not an error.
         return written.or_else(|e| match e.kind() {
             ErrorKind::BrokenPipe => Ok(()),
             _ => Err(cannot_write(path, &e)),
@@ -95,7 +94,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     name.push(format!(".{}.part", writer_number()));
     let temporary = target.with_file_name(name);
     std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, target)).map_err(|e| {
-        // Nothing more can be done where even the leftover cannot be removed; the first error is the one to tell.
+        // A failure to remove the temporary file is ignored: the first error is the one to report.
         let _ = std::fs::remove_file(&temporary);
         cannot_write(path, &e)
     })?;
@@ -103,23 +102,23 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     Ok(())
 }
 
-/// A number that no other writer of a file has while it writes: that of the process, and one within it.
+/// Returns a number that is unique among the writers of files: the process id, and a counter within the process.
 pub(crate) fn writer_number() -> String {
     static WRITERS: AtomicU64 = AtomicU64::new(0);
     format!("{}-{}", std::process::id(), WRITERS.fetch_add(1, Ordering::Relaxed))
 }
 
-/// Writes a file that must not exist, whole or not at all; `exists` is the error where it does.
+/// Writes a file that must not exist yet, completely or not at all; `exists` returns the error if it exists.
 ///
 /// # Errors
-/// That one, or the disk's.
+/// The file exists, or it cannot be written.
 pub fn write_new(path: &Path, bytes: &[u8], exists: impl Fn() -> Error) -> Result<(), Error> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(path).map_err(|e| match e.kind() {
         ErrorKind::AlreadyExists => exists(),
         _ => cannot_write(path, &e),
     })?;
     file.write_all(bytes).map_err(|e| {
-        // Nothing half-written stays under the name; that it cannot be deleted either adds nothing.
+        // Removes the incomplete file; a failure to do so is ignored.
         let _ = std::fs::remove_file(path);
         cannot_write(path, &e)
     })?;
@@ -127,7 +126,7 @@ pub fn write_new(path: &Path, bytes: &[u8], exists: impl Fn() -> Error) -> Resul
     Ok(())
 }
 
-/// Tells `--verbose` of a file that was written.
+/// Logs a written file, which `--verbose` shows.
 pub fn log_written(path: &Path, bytes: usize) {
     log::info!("wrote {}: {bytes} bytes", path.display());
 }

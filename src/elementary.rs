@@ -1,5 +1,5 @@
-//! Exponentials and logarithms in plain sums and products without a branch: the compiler turns loops of them into vectors, and their bits
-//! are the same on every processor, which those of the standard library are not said to be.
+//! Exponential and logarithm as plain sums and products without branches. The compiler vectorizes loops over them, and their results are bitwise
+//! the same on every processor, which the standard library does not guarantee.
 
 use std::f64::consts::LOG2_E;
 
@@ -7,19 +7,19 @@ const MANTISSA: u64 = (1 << 52) - 1;
 const ONE: u64 = 1.0_f64.to_bits();
 const SQRT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
 
-/// ln 2 in two parts: the first one has few digits, so that a whole number times it is exact.
+/// ln 2 as a sum of two parts; the first has few digits, so that its product with an integer is exact.
 const LN_2: [f64; 2] = [f64::from_bits(0x3FE6_2E42_FEE0_0000), f64::from_bits(0x3DEA_39EF_3579_3C76)];
 
-/// A sum with this is rounded to a whole number, which then stands in the last bits.
+/// Adding this number rounds to an integer, which the last bits of the sum then hold.
 const WHOLE: f64 = 1.5 * LAST_BIT_ONE;
 
-/// Whole numbers are the last bits of those from here on.
+/// From this number on, the last bit of a number has the value 1.
 const LAST_BIT_ONE: f64 = (1_u64 << 52) as f64;
 
-/// Largest argument of exponentials, of either sign: what they then are is a normal number.
+/// Largest magnitude of the argument of exponentials: the result is then a normal number.
 pub(crate) const LARGEST_EXPONENT: f64 = 700.0;
 
-/// `1/n!` from n = 2 on.
+/// `1/n!` for n = 2 to 13.
 const FACTORIALS: [f64; 12] = {
     let (mut terms, mut k) = ([0.5; 12], 1);
     while k < 12 {
@@ -29,7 +29,7 @@ const FACTORIALS: [f64; 12] = {
     terms
 };
 
-/// `2/(2 n + 1)` from n = 1 on.
+/// `2/(2 n + 1)` for n = 1 to 11.
 const ODD: [f64; 11] = {
     let (mut terms, mut k) = ([0.0; 11], 0);
     while k < 11 {
@@ -39,7 +39,7 @@ const ODD: [f64; 11] = {
     terms
 };
 
-/// The sum of `terms[k] x^k`, even and odd powers each for themselves: neither waits for the other.
+/// Returns the sum of `terms[k] x^k`. Even and odd powers are summed separately, so that the two sums do not wait for each other.
 #[inline(always)]
 fn polynomial<const N: usize>(terms: &[f64; N], x: f64) -> f64 {
     let (square, mut sums) = (x * x, [0.0; 2]);
@@ -49,7 +49,7 @@ fn polynomial<const N: usize>(terms: &[f64; N], x: f64) -> f64 {
     sums[0] + x * sums[1]
 }
 
-/// `exp(x) = scale (1 + rest)`, scale being a power of 2 and rest between -0.3 and 0.42.
+/// Returns `[scale, rest]` of `exp(x) = scale (1 + rest)`, where `scale` is a power of 2 and `rest` lies between -0.3 and 0.42.
 #[inline(always)]
 fn scaled(x: f64) -> [f64; 2] {
     let whole = x * LOG2_E + WHOLE;
@@ -59,24 +59,24 @@ fn scaled(x: f64) -> [f64; 2] {
     [scale, rest + rest * rest * polynomial(&FACTORIALS, rest)]
 }
 
-/// `exp(x)` for x up to [`LARGEST_EXPONENT`].
+/// Returns `exp(x)` for |x| up to [`LARGEST_EXPONENT`].
 #[inline(always)]
 pub(crate) fn exp(x: f64) -> f64 {
     let [scale, rest] = scaled(x);
     scale + scale * rest
 }
 
-/// `exp(x) - 1` for x up to [`LARGEST_EXPONENT`].
+/// Returns `exp(x) - 1` for |x| up to [`LARGEST_EXPONENT`].
 #[inline(always)]
 pub(crate) fn exp_m1(x: f64) -> f64 {
     let [scale, rest] = scaled(x);
     scale * rest + (scale - 1.0)
 }
 
-/// `ln(x)` for normal x > 0.
+/// Returns `ln(x)` for normal x > 0.
 #[inline(always)]
 pub(crate) fn ln(x: f64) -> f64 {
-    // x = 2^power (1 + f), 1 + f between the roots of 1/2 and 2, and with s = f/(2 + f), ln(1 + f) = 2 (s + s^3/3 + s^5/5 ..).
+    // x = 2^power (1 + f) with 1 + f between sqrt(1/2) and sqrt(2), and with s = f/(2 + f), ln(1 + f) = 2 (s + s^3/3 + s^5/5 + ...).
     let bits = x.to_bits().wrapping_add(ONE - SQRT_HALF);
     let power = f64::from_bits((bits >> 52) | LAST_BIT_ONE.to_bits()) - (LAST_BIT_ONE + 1023.0);
     let f = f64::from_bits((bits & MANTISSA) + SQRT_HALF) - 1.0;
@@ -86,20 +86,20 @@ pub(crate) fn ln(x: f64) -> f64 {
     power * LN_2[0] + (f - (half - (rest + power * LN_2[1])))
 }
 
-/// `ln(1 + x)` for x >= 0 that is no larger than a normal number.
+/// Returns `ln(1 + x)` for finite x >= 0.
 #[inline(always)]
 pub(crate) fn ln_1p(x: f64) -> f64 {
     let sum = 1.0 + x;
     ln(sum) + (x - (sum - 1.0)) / sum
 }
 
-/// The lesser of two numbers; the second where that cannot be said. One instruction, other than [`f64::min`].
+/// Returns the smaller of two numbers, the second if one is NaN. Compiles to one instruction, unlike [`f64::min`].
 #[inline(always)]
 pub(crate) fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The larger of two numbers, likewise.
+/// Returns the larger of two numbers, the second if one is NaN.
 #[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }

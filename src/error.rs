@@ -1,19 +1,19 @@
-//! Errors and their messages: what, where, the value, the allowed range, and a help line.
+//! Errors and their messages: what is wrong, where, the value, the allowed range, and a help line.
 
 pub(crate) mod text;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What functions return that read, check, run or write; an [`InputError`], a [`RunError`] and the errors of a material's curve and heating
-/// become its error by `?`.
+/// Result of functions that read, check, run or write. `?` converts an [`InputError`], a [`RunError`] and the errors of a material's curve and
+/// heating into its error.
 ///
-/// In a program whose `main` returns it, a failure ends with the message of the command line ([`Error::text`]).
+/// A program whose `main` returns this type ends with the message of the command line ([`Error::text`]) if it fails.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// The ways in which a command can end without its result.
+/// The reasons for which a command ends without its result.
 ///
-/// `Display` is one line, without the line of the file and without help; `Debug` is [`Error::text`].
+/// `Display` writes one line, without the line of the file and without help; `Debug` writes [`Error::text`].
 #[derive(thiserror::Error)]
 pub enum Error {
     /// The input is wrong; exit code 2.
@@ -22,17 +22,17 @@ pub enum Error {
     /// The run was stopped by an error; exit code 1.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A file could not be read or written; exit code 1 (an input file that is missing is an [`InputError`]).
+    /// A file could not be read or written; exit code 1 (a missing input file is an [`InputError`]).
     #[error("{}: {reason}", path.display())]
     File {
         /// The file.
         path: PathBuf,
-        /// What the system or the HDF5 library said.
+        /// Reason reported by the system or the HDF5 library.
         reason: String,
-        /// What to do; empty where nothing is known.
+        /// What to do; empty if unknown.
         help: String,
     },
-    /// Results that do not satisfy what they must; exit code 1.
+    /// The results fail their checks; exit code 1.
     #[error("{0}")]
     Checks(String),
     /// The user asked to stop (Ctrl-C); exit code 130.
@@ -41,7 +41,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// The process exit code that the contract gives to this kind of error.
+    /// Returns the exit code of the process for this kind of error.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) => 2,
@@ -50,12 +50,12 @@ impl Error {
         }
     }
 
-    /// The message of the command line: what is wrong, where with the line of the file, what is allowed, and help.
+    /// Returns the message of the command line: what is wrong, where (with the line of the file), what is allowed, and help.
     pub fn text(&self) -> String {
         text::lines(self, text::Paint(false)).trim_end().to_owned()
     }
 
-    /// A file error from anything that can say what happened.
+    /// Creates a file error from any reason that can be displayed.
     pub fn file(path: &Path, reason: impl std::fmt::Display) -> Self {
         Self::File { path: path.to_owned(), reason: reason.to_string(), help: String::new() }
     }
@@ -67,76 +67,76 @@ impl std::fmt::Debug for Error {
     }
 }
 
-/// Where in a text file an error lies: shown with the line of the file.
+/// Position of an error in a text file, shown together with the line of the file.
 #[derive(Debug, Clone)]
 pub struct Place {
-    /// Name to show.
+    /// File name as shown.
     pub file: String,
-    /// The file's whole text.
+    /// Whole text of the file.
     pub text: Arc<str>,
-    /// Bytes of the text that are meant.
+    /// Byte range of the text that the error refers to.
     pub span: std::ops::Range<usize>,
 }
 
 impl Place {
-    /// Line number of the span's start, from 1.
+    /// Returns the line number of the start of the span, from 1.
     pub fn line(&self) -> usize {
         let start = self.span.start.min(self.text.len());
         self.text.as_bytes()[..start].split(|&b| b == b'\n').count()
     }
 }
 
-/// A wrong input: one clear sentence, its place, and what would be right.
+/// An error in the input: one sentence that says what is wrong, its position, and what is allowed.
 ///
-/// Built with [`InputError::new`] and the methods below, in the order in which they are shown.
-/// `Display` is one line, without the line of the file and without help; `Debug` is [`InputError::text`].
+/// Built with [`InputError::new`] and the methods below, in the order in which they are shown. `Display` writes one line, without the line of the
+/// file and without help; `Debug` writes [`InputError::text`].
 #[derive(Clone)]
 pub struct InputError {
     /// What is wrong, with the value that was given.
     pub message: String,
-    /// The key, dotted as in `solve.cells`; empty where there is none.
+    /// The key, dotted as in `solve.cells`; empty if there is none.
     pub key: String,
-    /// What would be allowed, e.g. "0 < cfl <= 1"; empty where a range means nothing.
+    /// Allowed values, e.g. "0 < cfl <= 1"; empty if a range has no meaning.
     pub allowed: String,
     /// What to do.
     pub help: String,
-    /// Where it stands.
+    /// Position of the error in the input.
     pub place: Option<Box<Place>>,
 }
 
 impl InputError {
-    /// An error with its sentence; the rest is added by the methods below.
+    /// Creates an error from its sentence; the methods below add the rest.
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), key: String::new(), allowed: String::new(), help: String::new(), place: None }
     }
 
-    /// Names the key, dotted as in `solve.cells`.
+    /// Sets the key, dotted as in `solve.cells`.
     #[must_use]
     pub fn key(mut self, key: impl Into<String>) -> Self {
         self.key = key.into();
         self
     }
 
-    /// States what is allowed.
+    /// Sets the allowed values.
     #[must_use]
     pub fn allowed(mut self, allowed: impl Into<String>) -> Self {
         self.allowed = allowed.into();
         self
     }
 
-    /// Says what to do.
+    /// Sets the help line.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = help.into();
         self
     }
 
-    /// The message of the command line: what is wrong, where with the line of the file, what is allowed, and help.
+    /// Returns the message of the command line: what is wrong, where (with the line of the file), what is allowed, and help.
     pub fn text(&self) -> String {
         text::lines_of_input(self, text::Paint(false)).trim_end().to_owned()
     }
 
-    /// Points at the place in the file.
+    /// Sets the position in the file.
     #[must_use]
     pub fn at(mut self, place: Place) -> Self {
         self.place = Some(Box::new(place));
@@ -168,14 +168,14 @@ impl std::fmt::Debug for InputError {
 
 impl std::error::Error for InputError {}
 
-/// The error that stopped a run: reason, time and place.
+/// An error that stopped a run: reason, time and position.
 #[derive(Debug, Clone)]
 pub struct RunError {
     /// Reason, with the values involved.
     pub reason: String,
     /// Simulated time, s.
     pub time: f64,
-    /// Place on the bar, m; none if the error has no place.
+    /// Position on the bar, m; `None` if the error has no position.
     pub x: Option<f64>,
     /// What to do about it.
     pub help: String,

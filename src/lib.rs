@@ -23,8 +23,8 @@
 //!
 //! # Materials and segments
 //!
-//! A key takes what it takes in a scene file, as a value of Rust ([`scene::IntoValue`]): a number in SI, a text with its unit, a list, rows as
-//! pairs, an array of `ndarray`, a material. Items of a list are numbered:
+//! A key has the same values as in a scene file, given as Rust values ([`scene::IntoValue`]): a number in SI, a text with its unit, a list, rows as
+//! pairs, an array of `ndarray`, or a material. Items of a list are numbered:
 //!
 //! ```
 //! use barwave::material::{Beyond, Curve, Material};
@@ -76,8 +76,8 @@
 //!
 //! # Other impacts
 //!
-//! [`scene::Problem`] reads scenes of any kind, from a file or from text; [`run::run_impact`] solves those that are not waves in a bar.
-//! An impact can also be put together from the types of [`impact`].
+//! [`scene::Problem`] reads scenes of any kind, from a file or from text; [`run::run_impact`] solves those that are not waves in a bar. A program
+//! can also construct an impact from the types of [`impact`].
 //!
 //! ```
 //! use barwave::{run, scene::Problem};
@@ -96,17 +96,16 @@
 //!
 //! # Building
 //!
-//! HDF5 is compiled from source: a C compiler is needed, and cmake 3.26 or newer on `PATH` or named by the variable `CMAKE`. A program runs
-//! fast only when it is built with `--release`. The crates of the values of keys and of the arrays of a solution are [`toml`] and [`ndarray`],
-//! as `barwave::toml` and `barwave::ndarray`.
+//! HDF5 is compiled from source, which needs a C compiler, and cmake 3.26 or newer on `PATH` or named by the variable `CMAKE`. Build programs with
+//! `--release`; debug builds are slow. The crates that provide the values of keys and the arrays of a solution are re-exported: [`toml`] and
+//! [`ndarray`], as `barwave::toml` and `barwave::ndarray`.
 //!
 //! # Layers
 //!
 //! Every file that is read or written is reported to the [`log`] facade at the level `Info`.
 //!
-//! The library is layered: a module imports only from those above it in this list.
-//! Stress is engineering (nominal) stress, tension positive; x is the Lagrangian coordinate from the left
-//! end; velocity is positive in +x; all values are in SI units.
+//! The library is layered: a module imports only from those above it in this list. Stress is engineering (nominal) stress, tension positive; x is
+//! the Lagrangian coordinate from the left end; velocity is positive in +x; all values are in SI units.
 
 pub use ndarray;
 pub use toml;

@@ -1,7 +1,7 @@
 //! The `barwave` command.
 
-/// Sweeps make and free many small objects on all threads, for which the system's allocator takes a sixth of the time. Without huge pages:
-/// to fill those with zeros takes a tenth of a short run, and a long one gains nothing by them.
+/// Parameter studies allocate and free many small objects on all threads, which takes a sixth of the time with the allocator of the system. Huge
+/// pages are disabled: filling them with zeros takes a tenth of a short run, and a long run gains nothing from them.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 

@@ -1,7 +1,7 @@
 //! Bracketed root finding for functions of one variable, with guaranteed termination.
 
-/// The place in `low..high` where `below` turns from true to false: the upper end of a bracket no wider than `resolution`, or, for 0, of
-/// two neighbouring numbers.
+/// Returns the point in `low..high` at which `below` changes from true to false: the upper end of a bracket no wider than `resolution`, or of two
+/// neighbouring floating-point numbers if `resolution` is 0.
 pub(crate) fn bisect([mut low, mut high]: [f64; 2], resolution: f64, mut below: impl FnMut(f64) -> bool) -> f64 {
     while high - low > resolution {
         let middle = 0.5 * (low + high);
@@ -13,7 +13,7 @@ pub(crate) fn bisect([mut low, mut high]: [f64; 2], resolution: f64, mut below: 
     high
 }
 
-/// Two numbers that differ by no more are one: relative to their size, and absolute.
+/// Difference, as a sum of a relative and an absolute part, up to which two numbers count as equal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tolerance {
     pub relative: f64,
@@ -21,24 +21,24 @@ pub(crate) struct Tolerance {
 }
 
 impl Tolerance {
-    /// Of differences between numbers of this size.
+    /// Returns the tolerance for differences between numbers of this size.
     #[inline(always)]
     pub fn of_differences(size: f64) -> Self {
         Self { relative: 1e-14, absolute: 2.0 * f64::EPSILON * size }
     }
 
-    /// At a number of this size.
+    /// Returns the tolerance at a number of this size.
     #[inline(always)]
     pub fn at(self, x: f64) -> f64 {
         self.relative * x.abs() + self.absolute
     }
 }
 
-/// Secants take a handful; bisection, every fourth try, is there for answers that jump.
+/// Largest number of iterations. Secants need a handful; every fourth iteration bisects, for functions that jump.
 const MOST_TRIES: usize = 200;
 
-/// The fixed point `x = answer(x)` between bounds at which `answer(x) - x` is not negative and not positive, from a first guess: by
-/// secants, kept within the bracket. Where the answer jumps across x, the upper side of the jump.
+/// Returns the fixed point `x = answer(x)` between bounds at which `answer(x) - x` is not negative and not positive, respectively. The secant
+/// method starts at `first` and stays within the bracket. If `answer` jumps across x, the upper side of the jump is returned.
 pub(crate) fn fixed_point(
     first: f64,
     [mut low, mut high]: [f64; 2],
@@ -67,7 +67,7 @@ pub(crate) fn fixed_point(
     x
 }
 
-/// The middle of a bracket; on a scale of powers where both ends are positive and far apart.
+/// Returns the middle of a bracket: the geometric mean if both ends are positive and differ by more than a factor of 4.
 fn between(low: f64, high: f64) -> f64 {
     if low > 0.0 && high > 4.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) }
 }

@@ -1,19 +1,19 @@
-//! The time loop: advances a bar from one observation to the next, independent of the solver.
+//! The time loop, which advances a bar from one observation to the next, independent of the solver.
 
 use std::time::Instant;
 
 use crate::record::{Stepped, Traces, View};
 use crate::solver::moc::{FrontSegment, FrontTracking, Stopped};
 
-/// A bar that is advanced in time: on a grid by steps, with front tracking by events.
+/// A bar that is advanced in time: in steps on a grid, or by events with front tracking.
 pub trait Solver: View {
-    /// A point in time as the solver counts it: steps, or s.
+    /// A time as the solver counts it: a step number, or s.
     type Mark: Copy;
 
-    /// What can be kept of the way from one look to the next: histories in steps, or front segments of fronts.
+    /// Record of the interval between two observations: histories in steps, or segments of fronts.
     type Log;
 
-    /// Advances to a mark, limited by the given work in cell-steps or events. True if the mark is reached.
+    /// Advances to a mark, limited by the given work in cell-steps or events. Returns true if the mark is reached.
     ///
     /// # Errors
     /// [`Stopped`] if the bar cannot be advanced.
@@ -48,37 +48,37 @@ impl Solver for FrontTracking {
     }
 }
 
-/// A bar with what follows it while it is simulated.
+/// A bar together with the observers of its simulation.
 pub trait Simulation {
     /// The bar's solver.
     type Solver: Solver;
 
-    /// What ends a simulation early.
+    /// Reason for which a simulation ends early.
     type Error;
 
-    /// Where it looks at the bar next; none at the end.
+    /// Returns the mark of the next observation; `None` at the end.
     fn next(&self) -> Option<<Self::Solver as Solver>::Mark>;
 
-    /// The bar and what is kept of its way.
+    /// Returns the bar and the log of its motion, if one is kept.
     fn bar(&mut self) -> (&mut Self::Solver, Option<&mut <Self::Solver as Solver>::Log>);
 
-    /// Looks at the bar after an interval.
+    /// Observes the bar after an interval.
     ///
     /// # Errors
-    /// What ends the simulation here.
+    /// The simulation ends here.
     fn look(&mut self, stretch: Interval) -> Result<(), Self::Error>;
 }
 
-/// What the solver did between two looks.
+/// What the solver did between two observations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interval {
-    /// Time that the solver took, s.
+    /// Computing time of the solver, s.
     pub seconds: f64,
-    /// Whether the bar is at the mark, or the reason why it cannot be advanced.
+    /// Whether the bar has reached the mark, or the reason why it cannot be advanced.
     pub arrived: Result<bool, Stopped>,
 }
 
-/// Simulates a bar up to its end, with a look after every interval of at most so much work (cell-steps, or events).
+/// Simulates a bar up to its end and observes it after every interval of at most the given work (cell-steps, or events).
 ///
 /// # Errors
 /// Those of [`Simulation::look`].

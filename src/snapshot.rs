@@ -1,16 +1,16 @@
-//! Saving and restoring of state bit for bit, for checkpoints.
+//! Bitwise saving and restoring of state, for checkpoints.
 //!
-//! An object is first rebuilt from the scene; then [`Snapshot::restore`] sets what changes from step to step.
+//! An object is first rebuilt from the scene; then [`Snapshot::restore`] sets the state that changes from step to step.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// What packing and unpacking return. Bytes that [`pack`] wrote for the same types are always unpacked.
+/// Result of packing and unpacking. Unpacking bytes that [`pack`] wrote for the same type always succeeds.
 pub type Result<T> = postcard::Result<T>;
 
 /// An object with a state that changes from step to step.
 pub trait Snapshot {
-    /// The state.
+    /// Returns the state.
     ///
     /// # Errors
     /// None is known.
@@ -19,7 +19,7 @@ pub trait Snapshot {
     /// Restores the state of an object that was built from the same scene.
     ///
     /// # Errors
-    /// Bytes that [`Self::save`] did not return.
+    /// The bytes were not returned by [`Self::save`].
     fn restore(&mut self, saved: &[u8]) -> Result<()>;
 }
 
@@ -34,7 +34,7 @@ pub fn pack(value: &impl Serialize) -> Result<Vec<u8>> {
 /// Deserializes a value from all bytes.
 ///
 /// # Errors
-/// Bytes of another type, or more of them.
+/// The bytes are those of another type, or some remain.
 pub fn unpack<T: DeserializeOwned>(bytes: &[u8]) -> Result<T> {
     match postcard::take_from_bytes(bytes)? {
         (value, []) => Ok(value),
@@ -52,10 +52,10 @@ pub fn join(parts: &[Vec<u8>]) -> Vec<u8> {
     all
 }
 
-/// Splits what [`join`] concatenated.
+/// Splits the concatenation that [`join`] returned.
 ///
 /// # Errors
-/// Another number of states.
+/// The number of states is different.
 pub fn split<const N: usize>(mut all: &[u8]) -> Result<[&[u8]; N]> {
     let mut parts = [&[][..]; N];
     for part in &mut parts {

@@ -8,37 +8,37 @@ use std::path::Path;
 use crate::error::InputError;
 use crate::inputs;
 
-/// Largest text file that is read, bytes: a million rows of a record. A scene has a few kilobytes.
+/// Largest size of a text file that is read, bytes: a million rows of a record. A scene has a few kilobytes.
 pub const MOST_BYTES: u64 = 64 << 20;
 
 const TOO_LARGE: &str =
     "a scene or material is a text file of a few kilobytes; keep only every tenth or hundredth row of a long record";
 
-/// The files that a scene names, with their contents: the scene can be read again if they have changed or are gone.
+/// The files that a scene names, with their contents, so that the scene can be read again if they have changed or are gone.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct NamedFiles {
-    /// The scene's folder.
+    /// Folder of the scene.
     pub base: String,
-    /// The folder of the user's materials.
+    /// Folder of the user's materials.
     pub materials: Option<String>,
-    /// Paths and texts.
+    /// Paths and contents.
     pub texts: Vec<(String, String)>,
 }
 
 /// Source of the files that a thread reads.
 #[derive(Debug, Default)]
 enum Reading {
-    /// The disk.
+    /// Files are read from the disk.
     #[default]
     Plain,
-    /// The disk; paths and texts are recorded.
+    /// Files are read from the disk, and their paths and contents are recorded.
     Recorded(Vec<(String, String)>),
-    /// These files alone.
+    /// Only these files exist.
     Stored(NamedFiles),
 }
 
 thread_local! {
-    // Materials and histories are read deep inside the checks of a scene; a parameter would go through all of them.
+    // A thread-local, because materials and histories are read deep inside the checks of a scene; a parameter would pass through all of them.
     static READING: RefCell<Reading> = const { RefCell::new(Reading::Plain) };
 }
 
@@ -57,7 +57,7 @@ impl Drop for Scope {
     }
 }
 
-/// What `read` returns, and the files that it read.
+/// Returns the result of `read` and the files that it read.
 pub fn recorded<T>(read: impl FnOnce() -> T) -> (T, Vec<(String, String)>) {
     if let Some(stored) = of_store(|files| files.texts.clone()) {
         return (read(), stored);
@@ -69,7 +69,7 @@ pub fn recorded<T>(read: impl FnOnce() -> T) -> (T, Vec<(String, String)>) {
         Reading::Plain | Reading::Stored(_) => Vec::new(),
     });
     drop(scope);
-    // They have been read by what is recorded around this, too.
+    // An enclosing recording has read these files, too.
     for (path, text) in &texts {
         record(path, text);
     }
@@ -86,13 +86,13 @@ fn record(path: &str, text: &str) {
     });
 }
 
-/// What `read` returns if only these files exist.
+/// Returns the result of `read` if only these files exist.
 pub fn stored<T>(files: NamedFiles, read: impl FnOnce() -> T) -> T {
     let _scope = Scope::enter(Reading::Stored(files));
     read()
 }
 
-/// Queries the stored files; none if files are read from the disk.
+/// Queries the stored files; `None` if files are read from the disk.
 pub fn of_store<T>(get: impl FnOnce(&NamedFiles) -> T) -> Option<T> {
     READING.with_borrow(|reading| match reading {
         Reading::Stored(files) => Some(get(files)),
@@ -100,16 +100,16 @@ pub fn of_store<T>(get: impl FnOnce(&NamedFiles) -> T) -> Option<T> {
     })
 }
 
-/// True where there is a regular file.
+/// Whether the path is a regular file.
 pub fn is_file(path: &Path) -> bool {
     let shown = path.display().to_string();
     of_store(|files| files.texts.iter().any(|(stored, _)| *stored == shown)).unwrap_or_else(|| path.is_file())
 }
 
-/// The text of a file, without a byte-order mark.
+/// Returns the text of a file, without a byte-order mark.
 ///
 /// # Errors
-/// What the file is instead of a text of at most [`MOST_BYTES`] in UTF-8.
+/// The file cannot be read or is not UTF-8 text of at most [`MOST_BYTES`].
 pub fn read(path: &Path) -> Result<String, InputError> {
     let text = match from_store(path) {
         Some(stored) => stored?,
@@ -119,7 +119,7 @@ pub fn read(path: &Path) -> Result<String, InputError> {
     Ok(text)
 }
 
-/// The text of a stored file; none if files are read from the disk.
+/// Returns the text of a stored file; `None` if files are read from the disk.
 fn from_store(path: &Path) -> Option<Result<String, InputError>> {
     let shown = path.display().to_string();
     let text = of_store(|files| files.texts.iter().find(|(stored, _)| *stored == shown).map(|(_, text)| text.clone()))?;
@@ -127,7 +127,7 @@ fn from_store(path: &Path) -> Option<Result<String, InputError>> {
     Some(text.ok_or_else(missing))
 }
 
-/// The text of an instrument's record, and its encoding unless it is UTF-8: UTF-16 with a byte-order mark, or Latin-1, in which any bytes
+/// Returns the text of an instrument's record, and its encoding if it is not UTF-8: UTF-16 with a byte-order mark, or Latin-1, in which any bytes
 /// are text.
 ///
 /// # Errors
@@ -152,7 +152,7 @@ fn record_from_disk(path: &Path) -> Result<(String, Option<&'static str>), Input
     Ok((decode(bytes, &path.display().to_string())?, None))
 }
 
-/// The text after a byte-order mark of UTF-16; none without one, and of what is no such text.
+/// Decodes text after a UTF-16 byte-order mark; `None` without the mark or if the rest is not UTF-16.
 fn utf16(bytes: &[u8]) -> Option<String> {
     let unit = match bytes.get(..2)? {
         [0xFF, 0xFE] => u16::from_le_bytes,
@@ -182,7 +182,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, InputError> {
     bounded(File::open(path).map_err(failed)?, &shown)
 }
 
-/// The text on standard input, without a byte-order mark; `shown` names it in messages.
+/// Returns the text on standard input, without a byte-order mark; `shown` names it in messages.
 ///
 /// # Errors
 /// As for [`read`].
@@ -224,7 +224,7 @@ fn decode(bytes: Vec<u8>, shown: &str) -> Result<String, InputError> {
     Ok(text)
 }
 
-/// Names the first byte that is not UTF-8, and the character that it is in Latin-1, which most such files are written in.
+/// Reports the first byte that is not UTF-8, and the character that it is in Latin-1, the encoding of most such files.
 fn not_utf8(shown: &str, error: &std::string::FromUtf8Error) -> InputError {
     let at = error.utf8_error().valid_up_to();
     let (before, byte) = (&error.as_bytes()[..at], error.as_bytes()[at]);
@@ -250,7 +250,7 @@ fn help_for(kind: std::io::ErrorKind) -> &'static str {
     }
 }
 
-/// What the system says of a file that cannot be read, in plain words.
+/// Returns the system's reason why a file cannot be read, in plain words.
 pub fn plain_reason(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "no such file".into(),
@@ -261,8 +261,8 @@ pub fn plain_reason(error: &std::io::Error) -> String {
     }
 }
 
-/// What keeps this from being read as a file, and what to do; none of regular files and of pipes that a shell has opened. A named
-/// pipe is refused: opening one that nobody writes to never returns.
+/// Returns the reason why this cannot be read as a file, and what to do; `None` for regular files and for pipes that a shell has opened. A named
+/// pipe is refused, because opening one without a writer never returns.
 fn unreadable(path: &Path, metadata: &Metadata) -> Option<(&'static str, &'static str)> {
     const USE_STDIN: &str = "name a file, or `-` for standard input";
     if metadata.is_dir() {
@@ -272,7 +272,7 @@ fn unreadable(path: &Path, metadata: &Metadata) -> Option<(&'static str, &'stati
         return None;
     }
     match special(metadata) {
-        // What a shell has opened has no place in the file system, only a descriptor.
+        // A pipe that a shell has opened has no path in the file system, only a descriptor.
         "named pipe" if path.starts_with("/dev") || std::fs::canonicalize(path).is_err() => None,
         "named pipe" => Some(("it is a named pipe (FIFO)", USE_STDIN)),
         "device" => Some(("it is a device", USE_STDIN)),
@@ -280,7 +280,7 @@ fn unreadable(path: &Path, metadata: &Metadata) -> Option<(&'static str, &'stati
     }
 }
 
-/// What something is that is neither a regular file nor a folder: "named pipe", "device" or "socket".
+/// Returns the kind of something that is neither a regular file nor a folder: "named pipe", "device" or "socket".
 #[cfg(unix)]
 pub fn special(metadata: &Metadata) -> &'static str {
     use std::os::unix::fs::FileTypeExt;
@@ -294,7 +294,7 @@ pub fn special(metadata: &Metadata) -> &'static str {
     }
 }
 
-/// What something is that is neither a regular file nor a folder.
+/// Returns the kind of something that is neither a regular file nor a folder.
 #[cfg(not(unix))]
 pub fn special(_: &Metadata) -> &'static str {
     "device"

@@ -1,7 +1,7 @@
-//! Units: strings with a unit to SI, and numbers to strings in SI or inch-pound units.
+//! Conversion of strings with a unit to SI, and of numbers to strings in SI or inch-pound units.
 //!
-//! Factors are exact: in = 0.0254 m, lb = 0.45359237 kg (mass), lbf = lb * 9.80665 m/s^2. A unit is any product or
-//! quotient of known symbols with powers, so "lbf*s^2/in^4" is a density and "ft*lbf/in^3" an energy per volume.
+//! Factors are exact: in = 0.0254 m, lb = 0.45359237 kg (mass), lbf = lb * 9.80665 m/s^2. A unit is any product or quotient of known symbols with
+//! powers, so "lbf*s^2/in^4" is a density and "ft*lbf/in^3" an energy per volume.
 
 mod dimension;
 mod format;
@@ -45,11 +45,10 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The value in SI.
+    /// Returns the value in SI.
     ///
     /// # Errors
-    /// One sentence: not a number, an unknown unit (with the nearest known one), or the wrong dimension (with the
-    /// one expected and an example).
+    /// One sentence: not a number, an unknown unit (with the nearest known one), or the wrong dimension (with the one expected and an example).
     pub fn si(&self, dimension: Dimension) -> Result<f64, String> {
         match self {
             Self::Number(value) if value.is_finite() => Ok(*value),
@@ -59,7 +58,7 @@ impl Quantity {
     }
 }
 
-/// One of a unit in SI.
+/// Returns the SI value of 1 in this unit.
 ///
 /// # Errors
 /// As for [`Quantity::si`].
@@ -68,7 +67,7 @@ pub(crate) fn one(unit: &str, dimension: Dimension) -> Result<f64, String> {
 }
 
 impl Quantity {
-    /// The value in SI, with its dimension, whatever that is. A plain number is taken as one without a unit.
+    /// Returns the value in SI and its dimension, which can be any. A plain number is dimensionless.
     ///
     /// # Errors
     /// As for [`Quantity::si`].
@@ -78,7 +77,7 @@ impl Quantity {
             [dimension.si_scales(), dimension.us_scales()].into_iter().flatten().any(|scale| scale.symbol == unit)
         };
         let fits = || Dimension::ALL.iter().filter_map(|&dimension| Some((self.si(dimension).ok()?, dimension)));
-        // "rad/s" is an angular velocity rather than a rate, "N*m" a torque rather than an energy.
+        // Several dimensions can share a unit: "rad/s" is an angular velocity rather than a rate, "N*m" a torque rather than an energy.
         let found = fits().find(|(_, dimension)| is_typed(dimension)).or_else(|| fits().next());
         match self {
             Self::Number(_) => Ok((self.si(Dimension::None)?, Dimension::None)),
@@ -86,10 +85,10 @@ impl Quantity {
         }
     }
 
-    /// The number as typed and its unit, which is empty for a plain number.
+    /// Returns the number as typed and its unit, which is empty for a plain number.
     ///
     /// # Errors
-    /// A text that does not start with a number.
+    /// The text does not start with a number.
     pub fn number_and_unit(&self) -> Result<(f64, &str), String> {
         match self {
             Self::Number(value) => Ok((*value, "")),
@@ -101,7 +100,7 @@ impl Quantity {
 impl std::fmt::Display for Quantity {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            // Not as a row of zeros.
+            // An exponent avoids a row of zeros.
             Self::Number(value) if *value != 0.0 && !(1e-4..1e9).contains(&value.abs()) => write!(f, "{value:e}"),
             Self::Number(value) => write!(f, "{value}"),
             Self::Text(text) => write!(f, "{text}"),
@@ -112,13 +111,13 @@ impl std::fmt::Display for Quantity {
 impl FromStr for Quantity {
     type Err = std::convert::Infallible;
 
-    /// From a command line: "40" is a plain number, anything else is text.
+    /// Converts a command-line argument: "40" is a plain number, anything else is text.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         Ok(text.trim().parse().map_or_else(|_| Self::Text(text.to_owned()), Self::Number))
     }
 }
 
-// By hand: an untagged derive would answer a wrong type with "did not match any variant".
+// Written by hand, because an untagged derive would report a wrong type as "did not match any variant".
 impl<'de> Deserialize<'de> for Quantity {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Visitor;
@@ -142,7 +141,7 @@ impl<'de> Deserialize<'de> for Quantity {
                 Ok(Quantity::Number(value as f64))
             }
 
-            // Whole numbers that 64 bits do not hold.
+            // Integers that do not fit into 64 bits.
             fn visit_i128<E>(self, value: i128) -> Result<Quantity, E> {
                 Ok(Quantity::Number(value as f64))
             }

@@ -4,20 +4,20 @@ use super::Response;
 use crate::record::{ErrorTable, Measure};
 use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 
-/// The estimate, over the difference from a companion. If errors were proportional to the tolerance, the difference from a finer companion
-/// would be two thirds of the error, and that from a coarser one twice the error. They fall faster or slower by chance:
-/// `docs/front-tolerance.md` has measurements.
+/// Ratio of the estimate to the difference from a companion. If errors were proportional to the tolerance, the
+/// difference from a finer companion would be two thirds of the error, and that from a coarser one twice the error.
+/// Actual errors decrease faster or more slowly at random: `docs/front-tolerance.md` contains measurements.
 pub const SAFETY_OF_TRACKING: f64 = 1.5;
 
-/// Events that finer companions may take: so many times those of the run, and so many more (some milliseconds).
+/// Budget of events of all finer companions: a multiple of the events of the run, and an additional number (some milliseconds).
 const EVENTS: u64 = 2;
 const FREE_EVENTS: u64 = 5_000;
 
-/// Finer companions at most, each with a third of the tolerance of the one before. A merge that changes a run of few events may be made
-/// with many tolerances in the same way.
+/// Largest number of finer companions, each with a third of the tolerance of the previous one. Several are needed
+/// because a merge that changes a run of few events may occur in the same way at many tolerances.
 const MOST_FINER: usize = 6;
 
-/// The last companion tells the error where one more changed the difference by no more than this part.
+/// Relative change of the difference from one finer companion to the next below which the estimate is accepted.
 const SETTLED: f64 = 0.2;
 
 /// Differences of a run from its companions.
@@ -28,16 +28,17 @@ pub struct Companions {
 }
 
 impl Companions {
-    /// A coarser companion alone, of the run that gave `response`.
+    /// Creates the differences from a coarser companion only; `response` is that of the run.
     pub fn coarser(response: &Response, companion: &Response) -> Self {
         Self { coarser: companion.apart(response, response), finer: None }
     }
 
-    /// Adds the finest companion that a multiple of the run's events is expected to pay for, if there is one. `coarser` is the number of
-    /// events of the coarser one; `follow` simulates the bar with other settings, and gives none where it does not come to its end.
+    /// Adds the finest companion that is expected to stay within a multiple of the run's events, if there is one.
+    /// `coarser` is the number of events of the coarser companion. `follow` simulates the bar with other settings and
+    /// returns `None` if the simulation does not reach its end.
     ///
     /// # Errors
-    /// Those of `follow`.
+    /// The errors of `follow`.
     pub fn with_finer<E>(
         mut self,
         (run, response): (&FrontTracking, &Response),
@@ -67,15 +68,16 @@ impl Companions {
         Ok(self)
     }
 
-    /// The settings of the finer companion, if there is one.
+    /// Returns the settings of the finer companion, if there is one.
     pub fn finer(&self) -> Option<Settings> {
         self.finer.as_ref().map(|finer| finer.0)
     }
 
-    /// Errors of the run that gave `response`, >= 0.
+    /// Returns the errors of the run with this `response`, >= 0.
     pub fn errors(&self, run: &FrontTracking, response: &Response) -> ErrorTable {
         let merged = || {
-            // Companions that merged just what the run did tell nothing; the sum of all merges is too much, but no less.
+            // Companions that merged the same fronts as the run show no difference; the sum of all merges is an upper
+            // bound that is too large, but safe.
             let total = response.fields.last().map_or(0.0, |(_, field)| field.apart(field).1);
             if total > 0.0 { run.merged() / total } else { 0.0 }
         };
@@ -91,7 +93,7 @@ impl Companions {
     }
 }
 
-/// Events of the next finer companion, if they grow from run to run as they did between the last two; they seldom fall.
+/// Returns the expected number of events of the next finer companion, if it grows as between the last two runs; it seldom decreases.
 fn expected([before, last]: [u64; 2]) -> f64 {
     let growth = (last as f64 / before.max(1) as f64).max(1.0);
     last as f64 * growth

@@ -1,4 +1,4 @@
-//! The largest forces at the joints of a bar.
+//! Largest forces at the joints of a bar.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,25 +6,25 @@ use crate::bar::{Bar, Joint, SuddenLoad};
 use crate::law::rupture::{Rupture, Site};
 use crate::record::{ContactReading, Extreme, Trace};
 
-/// What the joints of a bar have carried so far.
+/// Largest forces that the joints of a bar have carried so far.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct JointForces(Vec<JointForce>);
 
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct JointForce {
-    /// On its left.
+    /// Index of the segment to the left of the joint.
     segment: usize,
-    /// Sections of the bar to its left and right, m^2.
+    /// Cross-sections of the bar to the left and right of the joint, m^2.
     areas: [f64; 2],
     opens: bool,
-    /// A sudden load, with its force, N.
+    /// Sudden load and its force, N, tension positive.
     sudden: Option<(SuddenLoad, f64)>,
-    /// N.
+    /// Force of largest magnitude, N, and its time, s.
     largest: Extreme,
 }
 
 impl JointForces {
-    /// Of the joints on the right of these segments of a bar.
+    /// Creates the records of the joints on the right of the given segments of a bar.
     pub fn new(bar: &Bar, joints: &[usize]) -> Self {
         let of = |&segment: &usize| JointForce {
             segment,
@@ -36,15 +36,15 @@ impl JointForces {
         Self(joints.iter().map(of).collect())
     }
 
-    /// Joints on the right of segments are suddenly loaded, with these forces (N).
+    /// Sets the sudden loads of joints, each given by the segment on its left, with their forces (N).
     pub fn start_under(&mut self, loads: &[(usize, SuddenLoad, f64)]) {
         for joint in &mut self.0 {
             joint.sudden = loads.iter().find(|load| load.0 == joint.segment).map(|&(_, load, force)| (load, force));
         }
     }
 
-    /// Takes the rows up to `until` (s) of histories of the stress on their left (0) or right (1) `side`. From a rupture on the stress
-    /// beside a joint is that of a fragment.
+    /// Adds the rows up to `until` (s) of the stress histories on the left (`side` 0) or right (1) of the joints. After
+    /// a fracture the stress next to a joint is that of a fragment, and is ignored.
     pub fn hear(&mut self, rows: &[Trace], side: usize, until: f64, ruptures: &[Rupture]) {
         for (joint, rows) in self.0.iter_mut().zip(rows) {
             let last = joint.broken(ruptures).map_or(until, |rupture| rupture.time.min(until));
@@ -56,7 +56,7 @@ impl JointForces {
         }
     }
 
-    /// The bar has come to its end: what joints broke of, and what the faces of those that open have carried.
+    /// Adds the forces at which joints fractured and the forces on the faces of open joints, at the end of the simulation.
     pub fn close(&mut self, ruptures: &[Rupture], contacts: &[ContactReading]) {
         for joint in &mut self.0 {
             if let Some(broken) = joint.broken(ruptures) {
@@ -64,7 +64,7 @@ impl JointForces {
                 joint.largest.add(broken.time, area * broken.stress);
             }
             if let Some(faces) = contacts.iter().find(|contact| contact.joint == joint.segment) {
-                // The force between the faces themselves.
+                // The force between the faces themselves replaces that of the cells.
                 if joint.opens {
                     joint.largest = Extreme::default();
                 }
@@ -73,7 +73,7 @@ impl JointForces {
         }
     }
 
-    /// Their peaks.
+    /// Returns the peaks of the joints.
     pub fn peaks(&self) -> impl Iterator<Item = Peak> + '_ {
         self.0.iter().map(|joint| Peak::new(joint.largest, joint.sudden.iter().map(|(load, _)| load)))
     }
@@ -85,24 +85,24 @@ impl JointForce {
     }
 }
 
-/// The largest force at a place.
+/// Largest force at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
-    /// Magnitude, N.
+    /// Magnitude of the force, N.
     pub force: f64,
-    /// It is that of a sudden load, and the larger the shorter the time step is.
+    /// True if the force is that of a sudden load and grows without limit as the time step decreases.
     pub has_no_limit: bool,
 }
 
 impl Peak {
-    /// The largest force, N, at a place that is suddenly loaded by `loads`.
+    /// Creates the peak of a place with the sudden loads `loads`; `largest` is its largest force, N, and the time of this force, s.
     pub fn new<'a>(largest: Extreme, mut loads: impl Iterator<Item = &'a SuddenLoad>) -> Self {
         let has_no_limit = loads.any(|load| load.has_no_limit_at(largest.at));
         Self { force: largest.value.abs(), has_no_limit }
     }
 }
 
-/// Places of the joints on the right of these segments of a bar, m.
+/// Returns the positions of the joints on the right of the given segments of a bar, m.
 pub fn joint_places(bar: &Bar, joints: &[usize]) -> Vec<f64> {
     joints.iter().map(|&k| bar.segments[..=k].iter().map(|segment| segment.length).sum()).collect()
 }

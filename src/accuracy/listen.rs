@@ -11,40 +11,41 @@ use crate::record::{EndHistories, Extreme, Stepped, Trace};
 use crate::solver::fd::Quantity;
 use crate::solver::moc::{FrontTracking, Piece};
 
-/// Values that the fields and the histories may hold, each: fewer instants and rows where the bar has more cells and gauges.
+/// Largest number of values of the fields, and of the histories: instants and rows are omitted if the bar has many cells or gauges.
 const MOST_VALUES: usize = 1 << 22;
-/// Distance between an instant and a step that is rounding, in steps.
+/// Distance between an instant and a step, in steps, up to which it is attributed to rounding.
 const ON_STEP: f64 = 1e-6;
-/// Instants that are kept whatever the cells.
+/// Smallest number of instants that are recorded, for any number of cells.
 const LEAST_INSTANTS: usize = 4;
-/// Rows of a history, at least and at most.
+/// Smallest and largest number of rows of a history.
 const ROWS: [usize; 2] = [1 << 10, 1 << 20];
 
-/// Instants of a grid of so many cells, from those that were asked for (increasing).
+/// Returns the instants to be recorded on a grid with this number of cells, selected from the requested ones (increasing).
 fn instants(asked: &[f64], cells: usize) -> Vec<f64> {
     evenly(asked, (MOST_VALUES / cells.max(1)).clamp(LEAST_INSTANTS, asked.len().max(LEAST_INSTANTS)))
 }
 
-/// Gathers the response of a bar on a grid.
+/// Recorder of the response of a bar on a grid.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct GridListener {
     /// Instants of the fields, s, increasing.
     due: Vec<f64>,
-    /// s.
+    /// Time step, s.
     dt: f64,
-    /// The step before an instant that lies between two steps, and the fields after it.
+    /// Step before an instant that lies between two steps, and the stress and plastic strain after this step.
     before: Option<(usize, [Shape; 2])>,
     ends: [History; 2],
     gauges: Vec<History>,
     joints: JointForces,
-    /// Of the ends.
+    /// Sudden loads of the left and the right end.
     sudden: [Vec<SuddenLoad>; 2],
     response: Response,
 }
 
 impl GridListener {
-    /// For a bar before its first step, with fields at the instants `asked` (s, increasing, all or every second, fourth ... of them) and so
-    /// many gauges and these `joints` (the segments on their left).
+    /// Creates the recorder of a bar before its first step. The fields are recorded at the instants `asked` (s,
+    /// increasing) or at every second, fourth, ... of them. `gauges` is the number of gauges, and `joints` are the
+    /// segments to the left of the joints.
     pub fn new(scene: &Bar, bar: &impl Stepped, asked: &[f64], gauges: usize, joints: &[usize]) -> Self {
         let (dt, cells) = (bar.grid().dt, bar.grid().cells());
         let rows = (MOST_VALUES / (gauges + 2)).clamp(ROWS[0], ROWS[1]);
@@ -63,7 +64,7 @@ impl GridListener {
         }
     }
 
-    /// The step after which fields are read next; none after the last.
+    /// Returns the step after which fields are read next; `None` after the last one.
     pub fn next(&self, step: usize) -> Option<usize> {
         let instant = *self.due.get(self.response.fields.len())?;
         let (first, weight) = self.place(instant);
@@ -71,7 +72,7 @@ impl GridListener {
         [first, last].into_iter().find(|&due| due > step)
     }
 
-    /// The last step that is of interest.
+    /// Returns the last step that is needed.
     pub fn last(&self) -> usize {
         self.due.last().map_or(0, |&instant| {
             let (first, weight) = self.place(instant);
@@ -79,10 +80,10 @@ impl GridListener {
         })
     }
 
-    /// The step at or before an instant, and how far towards the next one it lies.
+    /// Returns the step at or before an instant, and the fraction of a step from there to the instant.
     fn place(&self, instant: f64) -> (usize, f64) {
         let place = instant / self.dt;
-        // What is a step but for rounding is one.
+        // An instant that differs from a step by rounding lies on it.
         if (place - place.round()).abs() < ON_STEP {
             (place.round() as usize, 0.0)
         } else {
@@ -90,8 +91,8 @@ impl GridListener {
         }
     }
 
-    /// Reads the fields, if they are due: to be called before the first step and after each that [`GridListener::next`] names. Between two
-    /// steps fields are interpolated.
+    /// Reads the fields if they are due. To be called before the first step and after each step returned by
+    /// [`GridListener::next`]. Between two steps the fields are interpolated.
     pub fn look(&mut self, bar: &impl Stepped) {
         while let Some(&instant) = self.due.get(self.response.fields.len()) {
             let (first, weight) = self.place(instant);
@@ -116,9 +117,9 @@ impl GridListener {
         }
     }
 
-    /// Takes in rows of the histories, those of the joints behind those of the gauges, of a bar that broke so far as `ruptures` say.
+    /// Adds rows of the histories; those of the joints follow those of the gauges. `ruptures` are the fractures of the bar so far.
     pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2], ruptures: &[Rupture]) {
-        // Times are sums of steps: rounding.
+        // The factor allows for rounding: times are sums of steps.
         let until = self.due.last().copied().unwrap_or(0.0) * (1.0 + 1e-9);
         self.joints.hear(&gauges[self.gauges.len()..], 0, until, ruptures);
         for (history, trace) in self.ends.iter_mut().zip(ends).chain(self.gauges.iter_mut().zip(gauges)) {
@@ -130,7 +131,7 @@ impl GridListener {
         }
     }
 
-    /// What was gathered.
+    /// Returns the response recorded so far.
     pub fn response(&self) -> Response {
         let shape = |history: &History| Shape::Points(history.points());
         Response {
@@ -141,13 +142,13 @@ impl GridListener {
         .with_peaks(self.end_peaks(), &self.joints)
     }
 
-    /// Peaks of the ends, the forces of a section of 1 m^2.
+    /// Returns the peaks of the ends, as forces on a section of 1 m^2.
     fn end_peaks(&self) -> [Peak; 2] {
         std::array::from_fn(|side| Peak::new(self.ends[side].largest, self.sudden[side].iter()))
     }
 }
 
-/// A response to be, of nothing yet.
+/// Returns a response without fields and histories.
 pub(super) fn empty(bar: &Bar) -> Response {
     let modulus = bar.segments.iter().map(|segment| segment.material.modulus).fold(0.0, f64::max);
     let lengths = bar.segments.iter().map(|segment| segment.length).collect();
@@ -163,16 +164,15 @@ fn profile(bar: &impl Stepped, quantity: Quantity) -> Shape {
     Shape::Cells(Cells { segments: bar.grid().segments.clone(), values })
 }
 
-/// A history in about so many rows: every second step is dropped where it would get longer, but not one with a jump, which has a row
-/// on either side.
+/// History with a limited number of rows. If it would exceed the limit, every second step is removed, except at jumps, which have a row on each side.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct History {
     rows: Vec<Row>,
-    /// The last row, kept or not.
+    /// Last row added, stored or not.
     last: Option<Row>,
     most: usize,
     every: usize,
-    /// Of all rows.
+    /// Largest stress of all rows, including those that are not stored, Pa.
     largest: Extreme,
 }
 
@@ -226,7 +226,7 @@ impl History {
     }
 }
 
-/// Gathers the response of a bar whose fronts are tracked.
+/// Recorder of the response of a front-tracking bar.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FrontListener {
     gauges: Vec<(Vec<f64>, Vec<f64>)>,
@@ -235,20 +235,20 @@ pub struct FrontListener {
 }
 
 impl FrontListener {
-    /// For a bar at t = 0 with so many gauges and these `joints` (the segments on their left).
+    /// Creates the recorder of a bar at t = 0 with this number of gauges; `joints` are the segments to the left of the joints.
     pub fn new(scene: &Bar, gauges: usize, joints: &[usize]) -> Self {
         let gauges = vec![(Vec::new(), Vec::new()); gauges];
         Self { gauges, joints: JointForces::new(scene, joints), response: empty(scene) }
     }
 
-    /// Reads the stress over the bar now.
+    /// Records the stress over the bar at the current time.
     pub fn look(&mut self, bar: &FrontTracking) {
         self.response.fields.push((bar.time(), stress_of(bar)));
     }
 
-    /// Takes in rows of the gauges, and of the joints behind them, of a bar that broke so far as `ruptures` say.
+    /// Adds rows of the gauges, followed by those of the joints; `ruptures` are the fractures of the bar so far.
     pub fn hear(&mut self, gauges: &[Trace], ruptures: &[Rupture]) {
-        // Joints are read on their right.
+        // In front tracking, joints are read on their right side.
         self.joints.hear(&gauges[self.gauges.len()..], 1, f64::INFINITY, ruptures);
         for ((times, stresses), trace) in self.gauges.iter_mut().zip(gauges) {
             times.extend(&trace.time);
@@ -256,7 +256,7 @@ impl FrontListener {
         }
     }
 
-    /// What was gathered up to the bar's time.
+    /// Returns the response up to the bar's current time.
     pub fn response(mut self, bar: &FrontTracking) -> Response {
         self.response.plastic = Some(steps(bar, |piece| bar.medium(piece.segment).plastic_strain(piece.point)));
         self.response.gauges = self.gauges.iter().map(|(time, stress)| Shape::from_rows(time, stress)).collect();
@@ -271,12 +271,12 @@ impl FrontListener {
     }
 }
 
-/// Of a history without a sudden load that fades, the force of a section of 1 m^2.
+/// Returns the peak of a history without a fading sudden load, as a force on a section of 1 m^2.
 pub(super) fn peak_of(history: Option<&Shape>) -> Peak {
     Peak { force: history.map_or(0.0, Shape::largest), has_no_limit: false }
 }
 
-/// Stress over a tracked bar now.
+/// Returns the stress over a front-tracking bar at the current time.
 fn stress_of(bar: &FrontTracking) -> Shape {
     steps(bar, |piece| piece.point.stress)
 }
@@ -327,7 +327,7 @@ mod tests {
         }
         let at: Vec<f64> = history.points().iter().filter(|row| row.0 == 333.0).map(|row| row.1).collect();
         assert_eq!((at, history.rows.len() <= 18), (vec![0.0, 1.0], true));
-        // Nothing but jumps: none is dropped.
+        // A history that consists of jumps keeps all its rows.
         let mut history = History::new(16);
         for k in 0..100 {
             history.add(f64::from(k), 0.0);

@@ -1,4 +1,4 @@
-//! Differences between runs: responses of a bar, the error of one against another, and Richardson extrapolation.
+//! Differences between runs: responses of a bar, the error of one response against another, and Richardson extrapolation.
 
 mod front_errors;
 mod joint_forces;

@@ -9,33 +9,33 @@ use crate::simulate::{Interval, Simulation, Solver, simulate};
 use crate::solver::fd::Sampling;
 use crate::solver::moc::{FrontSegment, FrontTracking, Stopped};
 
-/// What is asked of a bar.
+/// Quantities requested from the simulation of a bar.
 #[derive(Debug, Clone, Copy)]
 pub struct Course<'a> {
-    /// Instants of the fields, s, increasing; none: nothing is read.
+    /// Instants of the fields, s, increasing; if empty, no response is recorded.
     pub instants: &'a [f64],
-    /// Places of the gauges, m.
+    /// Positions of the gauges, m.
     pub gauges: &'a [f64],
-    /// Joints whose forces count: the segments on their left.
+    /// Joints whose forces are recorded, given by the segments to their left.
     pub joints: &'a [usize],
     /// Time up to which the bar is simulated at least, s.
     pub until: f64,
-    /// Work between two pauses: cell-steps, or events.
+    /// Work between two calls of `pause`: cell-steps, or events.
     pub work: u64,
 }
 
-/// Why a bar was not simulated up to its end.
+/// Reason for which a simulation ended early.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Ended<E> {
-    /// It could not go on.
+    /// The solver stopped.
     Stopped(Stopped),
-    /// The caller asked for it.
+    /// The caller stopped the simulation.
     Asked(E),
 }
 
-/// A bar whose response can be gathered.
+/// Solver whose response can be recorded.
 pub trait Respond: Solver + Sized {
-    /// What gathers it.
+    /// Recorder of the response.
     type Listener: Listen<Self>;
 }
 
@@ -47,29 +47,29 @@ impl Respond for FrontTracking {
     type Listener = OfFronts;
 }
 
-/// Gathers the response of a bar at the places and instants of a [`Course`].
+/// Recorder of the response of a bar at the places and instants of a [`Course`].
 pub trait Listen<S: Solver>: Sized {
-    /// For a bar before its start, with what is to be kept of its way.
+    /// Creates the recorder of a bar before its start, and the log that the solver fills during the simulation.
     fn start(scene: &Bar, bar: &mut S, course: Course<'_>) -> (Self, Option<S::Log>);
 
-    /// Where the bar is to be looked at next; none at the end.
+    /// Returns the next mark at which the bar must be read; `None` at the end.
     fn next(&self, bar: &S) -> Option<S::Mark>;
 
-    /// The end.
+    /// Returns the mark at the end of the simulation.
     fn last(&self) -> S::Mark;
 
-    /// Takes in what happened since the last call; the bar may have arrived at the mark.
+    /// Adds what happened since the last call; `arrived` is true if the bar has reached the mark.
     fn look(&mut self, bar: &S, log: Option<&mut S::Log>, arrived: bool);
 
-    /// What was gathered.
+    /// Returns the recorded response.
     fn response(self, bar: &S) -> Response;
 }
 
-/// Simulates a bar: its response, and the time spent in the solver, s. `pause` is called now and then with the bar and its last mark, and
-/// may end it.
+/// Simulates a bar; returns its response and the time spent in the solver, s. `pause` is called at intervals with the
+/// bar and its last mark, and can end the simulation.
 ///
 /// # Errors
-/// [`Ended`].
+/// [`Ended`] if the solver stops or `pause` returns an error.
 pub fn respond<S: Respond, E>(
     scene: &Bar,
     bar: &mut S,
@@ -87,7 +87,7 @@ struct Responding<'a, S: Respond, P> {
     log: Option<S::Log>,
     listener: S::Listener,
     pause: P,
-    /// Time spent in the solver.
+    /// Time spent in the solver, s.
     seconds: f64,
 }
 
@@ -111,10 +111,10 @@ impl<S: Respond, E, P: FnMut(&S, S::Mark) -> Result<(), E>> Simulation for Respo
     }
 }
 
-/// On a grid.
+/// Recorder of a bar on a grid.
 #[derive(Debug)]
 pub struct OnGrid {
-    /// None where nothing is read.
+    /// Recorder; `None` if no response is recorded.
     listener: Option<GridListener>,
     joints: JointRows,
     steps: usize,
@@ -165,13 +165,13 @@ impl<S: Stepped> Listen<S> for OnGrid {
     }
 }
 
-/// By front tracking; gauges and joints need its front segments, see [`crate::solver::moc::Settings::front_segments`].
+/// Recorder of a front-tracking bar. Gauges and joints need its front segments, see [`crate::solver::moc::Settings::front_segments`].
 #[derive(Debug)]
 pub struct OfFronts {
-    /// None where nothing is read.
+    /// Recorder; `None` if no response is recorded.
     listener: Option<FrontListener>,
     gauges: StepGauges,
-    /// Instants of fields to come, s, the next one last; the end time without a field is first.
+    /// Instants of the remaining fields, s, the next one last; an end time without a field comes first.
     due: Vec<f64>,
     until: f64,
 }

@@ -1,4 +1,4 @@
-//! The response of a bar: the quantities compared between two runs.
+//! Response of a bar: the quantities compared between two runs.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,25 +6,26 @@ use super::Shape;
 use super::joint_forces::{JointForces, Peak};
 use crate::record::{ErrorTable, Measure};
 
-/// Part of the bar, or of the time, that a signal counts for at least, as if it had its largest value there.
+/// Lower bound of the norm of a signal: its largest value over this fraction of the bar, or of the time.
 const FLOOR: f64 = 0.01;
 
-/// Strain below which stresses are the rounding of a bar in motion: the largest stress counts for that of this strain at least.
+/// Strain below which stresses are rounding errors of a moving bar: the largest stress counts as at least that of this strain.
 const ROUNDING_STRAIN: f64 = 1e-12;
 
-/// Part of the mean over time that the stress at the end time counts for at least: what is left in a bar that rang down is no measure.
+/// Lower bound of the norm of the stress at the end time, relative to its mean over time: the remaining oscillation of
+/// a bar that has rung down is not a suitable reference.
 const OF_MEAN: f64 = 0.1;
 
-/// Part of the largest force in the bar below which a peak force is negligible.
+/// Fraction of the largest force in the bar below which a peak force is negligible.
 const NO_PEAK: f64 = 1e-3;
 
-/// Instants that are compared at least, where memory allows.
+/// Smallest number of instants that are compared, if memory allows.
 pub const INSTANTS: usize = 32;
 
-/// The response of a bar up to the last of its instants.
+/// Response of a bar up to the last of its instants.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Response {
-    /// Stress over the bar, Pa, at instants (s), increasing.
+    /// Stress over the bar, Pa, at instants (s, increasing).
     pub fields: Vec<(f64, Shape)>,
     /// Plastic strain over the bar at the last instant.
     pub plastic: Option<Shape>,
@@ -32,11 +33,11 @@ pub struct Response {
     pub ends: Vec<Shape>,
     /// Stress at the gauges over time, Pa.
     pub gauges: Vec<Shape>,
-    /// Of the left and the right end and of the joints.
+    /// Peak forces of the left and the right end and of the joints.
     pub peaks: Vec<Peak>,
-    /// Sections of the ends, m^2.
+    /// Cross-sections of the ends, m^2.
     pub sections: [f64; 2],
-    /// The least section of the bar, m^2.
+    /// Smallest cross-section of the bar, m^2.
     pub least_section: f64,
     /// Lengths of the segments from left to right, m.
     pub lengths: Vec<f64>,
@@ -44,40 +45,40 @@ pub struct Response {
     pub modulus: f64,
 }
 
-/// What differences of stress and strain are related to.
+/// Quantities to which differences of stress and strain are related.
 struct Scale {
-    /// Largest magnitude of stress anywhere, Pa.
+    /// Largest magnitude of the stress anywhere, Pa.
     stress: f64,
-    /// Largest force anywhere, at least, N.
+    /// Lower bound of the largest force in the bar, N.
     force: f64,
-    /// Integral of |stress| over the bar, mean over time, Pa m.
+    /// Integral of |stress| over the bar, averaged over time, Pa m.
     field: f64,
-    /// Largest strain, at least.
+    /// Lower bound of the largest strain.
     strain: f64,
-    /// s.
+    /// Duration of the response, s.
     duration: f64,
     length: f64,
-    /// Length of the segments that flow, m; of all where none does.
+    /// Total length of the segments that flow, m; of all segments if none flows.
     flowing: f64,
 }
 
 impl Response {
-    /// The last instant, s.
+    /// Returns the last instant, s.
     pub fn time(&self) -> f64 {
         self.fields.last().map_or(0.0, |field| field.0)
     }
 
-    /// The instants of its fields, s, increasing.
+    /// Returns the instants of the fields, s, increasing.
     pub fn instants(&self) -> Vec<f64> {
         self.fields.iter().map(|field| field.0).collect()
     }
 
-    /// Errors against a reference, which holds a field at (nearly) each instant of this response.
+    /// Returns the errors against a reference, which must contain a field at (nearly) each instant of this response.
     pub fn errors(&self, reference: &Self) -> ErrorTable {
         self.apart(reference, reference)
     }
 
-    /// Differences from another response, relative to a third one: differences of several pairs are then in the same measure.
+    /// Returns the differences from another response, relative to a third one, so that the differences of several pairs have the same scale.
     pub fn apart(&self, other: &Self, relative_to: &Self) -> ErrorTable {
         let scale = relative_to.scale();
         let over = |(apart, total): (f64, f64), floor: f64| {
@@ -114,8 +115,8 @@ impl Response {
         })
     }
 
-    /// The largest difference of a peak force, each relative to its own, of those above `least` (N). None where those without a limit are all
-    /// that there are.
+    /// Returns the largest relative difference of the peak forces above `least` (N), each relative to its own force.
+    /// Returns `None` if all these peaks are without a limit.
     fn peaks_apart(&self, other: &Self, relative_to: &Self, least: f64) -> Option<f64> {
         let peaks = self.peaks.iter().zip(&other.peaks).zip(&relative_to.peaks);
         let (mut largest, mut unlimited) = (None, false);
@@ -130,7 +131,7 @@ impl Response {
         largest.or((!unlimited).then_some(0.0))
     }
 
-    /// With the peaks of the ends, for a section of 1 m^2, and of the joints.
+    /// Sets the peaks of the ends, given as forces on a section of 1 m^2, and of the joints.
     #[must_use]
     pub(super) fn with_peaks(mut self, ends: [Peak; 2], joints: &JointForces) -> Self {
         let ends = ends.into_iter().zip(self.sections);
@@ -139,12 +140,12 @@ impl Response {
         self
     }
 
-    /// The field nearest in time.
+    /// Returns the field nearest in time.
     fn nearest(&self, time: f64) -> Option<&(f64, Shape)> {
         self.fields.iter().min_by(|a, b| (a.0 - time).abs().total_cmp(&(b.0 - time).abs()))
     }
 
-    /// Sum of the differences of all instants that both have, and their number.
+    /// Returns the sum of the differences at all instants that both responses contain, and the number of these instants.
     fn fields_apart(&self, other: &Self) -> Option<(f64, f64)> {
         let (mut sum, mut count) = (0.0, 0.0);
         let gap = if self.fields.len() > 1 { 0.5 * self.time() / self.fields.len() as f64 } else { f64::INFINITY };
@@ -175,8 +176,8 @@ impl Response {
         }
     }
 
-    /// Length of the segments with more plastic strain than this anywhere, m; none where there are none. A specimen between long bars does not count
-    /// for less than a long one.
+    /// Returns the total length of the segments with a larger plastic strain than `least` anywhere, m; `None` if there
+    /// are none. With this length the weight of a short specimen between long bars is not reduced.
     fn flowing(&self, least: f64) -> Option<f64> {
         let plastic = self.plastic.as_ref()?;
         let mut to = 0.0;
@@ -189,8 +190,8 @@ impl Response {
     }
 }
 
-/// So many of the times (increasing), evenly, always with the last one; all of them where there are no more. Those for fewer are among
-/// those for more wherever `most` is halved.
+/// Returns at most `most` of the times (increasing), evenly spaced and including the last one; all of them if there are
+/// no more. If `most` is halved, the selected times are a subset of those selected before.
 pub fn evenly(times: &[f64], most: usize) -> Vec<f64> {
     let mut every = 1;
     while times.len().div_ceil(every) > most.max(1) {
@@ -240,7 +241,7 @@ mod tests {
         let error = |own, reference, unlimited| {
             with(own, unlimited).errors(&with(reference, unlimited))[Measure::PeakForce].map(|e| (e * 1e6).round())
         };
-        // A joint between free ends, the smaller of two ends, and one of no account.
+        // A joint between free ends, the smaller of two ends, and a negligible joint.
         assert_eq!(error([0.0, 0.0, 10.1], [0.0, 0.0, 10.0], false), Some(1e4));
         assert_eq!(error([10.0, 5.1, 0.0], [10.0, 5.0, 0.0], false), Some(2e4));
         assert_eq!(error([10.0, 5.0, 0.009], [10.0, 5.0, 0.003], false), Some(0.0));
@@ -259,7 +260,7 @@ mod tests {
         assert!(errors[Measure::FieldAtEnd].expect("measured") < 1e-7, "{errors:?}");
     }
 
-    /// A hundredth of the bar was what the plastic strain of a specimen of a thousandth of it was measured by.
+    /// The error of a short specimen is relative to its own plastic strain, although it is shorter than 1 % of the bar.
     #[test]
     fn a_short_specimen_is_measured_by_what_is_in_it() {
         let flowed = |plastic: f64| {

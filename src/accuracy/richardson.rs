@@ -1,66 +1,69 @@
-//! Richardson extrapolation: the error of a run from its differences to runs with fewer cells.
+//! Richardson extrapolation: the error of a run, computed from its differences from runs with fewer cells.
 
 use super::Response;
 use crate::record::{ErrorTable, Measure};
 
-/// Largest order that is looked for between runs whose cells have other ratios, and halvings of what it lies in.
+/// Largest order considered for runs with different ratios of cells, and number of bisections of the interval up to it.
 const HIGHEST: f64 = 8.0;
 const HALVINGS: usize = 60;
 
-/// The figure, over what the extrapolation says, where an order was seen. A kink (the corner of a ramp) is off by up to three
-/// times its mean, which is what differences show, depending on where in a cell it lies.
+/// Ratio of the estimate to the extrapolated error if an order was observed. The error of a kink (the corner of a ramp)
+/// depends on its position in a cell: it is up to three times the mean error, which is what differences show.
 pub const SAFETY: f64 = 3.0;
 
-/// Orders that are believed, at least, and at most: of elastic bars and of the net, and of grids with a strain rate.
+/// Smallest accepted order, and largest accepted orders: for elastic bars and the net, and for grids with rate dependence.
 const LOWEST: f64 = 0.5;
 const SMOOTH: f64 = 2.0;
 const RATE: f64 = 1.0;
 
-/// Two orders in a row that differ by no more than this make a rule; else what was seen is chance.
+/// Largest difference of two successive observed orders for which they are accepted; otherwise the orders are random.
 const ALIKE: f64 = 0.35;
 
-/// Order where none is seen that can be believed, and of grids whose bar has yielded, without a strain rate: that of a front,
-/// which a grid spreads over the cube root of its cells. What is seen between two grids is scattered by where fronts lie in
-/// their cells. Over fifteen bars and 128 to 2048 cells the true error was 0.46 to 1.75 times the difference from half the
-/// cells, for which this order says 1.7; the safety factor covers the rest, and that muscl is up to a tenth worse.
+/// Order that is assumed if no acceptable order is observed, and for grids whose bar has yielded without rate
+/// dependence. It is the order of a front, whose width on a grid grows with the cube root of the number of cells when
+/// measured in cells. Differences between two grids scatter with the positions of the fronts in their cells. For
+/// fifteen bars with 128 to 2048 cells the true error was 0.46 to 1.75 times the difference from the run with half the
+/// cells, for which this order predicts 1.7. The safety factor covers the rest, including that muscl is up to 10 %
+/// worse.
 const FRONTS: f64 = 2.0 / 3.0;
-/// The same where the order is that of fronts.
+/// Ratio of the estimate to the extrapolated error for the order of fronts.
 pub const SAFETY_OF_FRONTS: f64 = 1.25;
 
-/// Which orders can be expected.
+/// Orders that can be expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rules {
     /// Elastic bars and the characteristic net.
     Smooth,
-    /// A grid with a strain rate.
+    /// Grids with rate dependence.
     Rate,
-    /// A grid whose bar has yielded, without a strain rate.
+    /// Grids whose bar has yielded, without rate dependence.
     Fronts,
 }
 
-/// The difference of two runs.
+/// Difference between two runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Difference {
     apart: f64,
-    /// Cells of the finer one over those of the coarser one, > 1.
+    /// Ratio of the cells of the finer run to those of the coarser one, > 1.
     ratio: f64,
 }
 
-/// An estimate for the finest of several runs.
+/// Estimate for the finest of several runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The error, with the safety factor.
+    /// Error, with the safety factor.
     pub value: f64,
     /// Order that was used.
     pub order: f64,
-    /// It was seen between the runs; else assumed.
+    /// True if the order was observed between the runs; false if it was assumed.
     pub seen: bool,
-    /// Order by which finer grids can be expected to be better: what was seen, or else the highest that is believed.
+    /// Order with which finer grids can be expected to improve: the observed order, or else the largest accepted one.
     pub hope: f64,
 }
 
-/// Extrapolates every error from two to four runs with fewer and fewer cells, the finest one first, and gives the estimate of the largest one too.
-/// Differences of 0 are no error at all: waves that are exact on every grid.
+/// Extrapolates every error from two to four runs with decreasing numbers of cells, the finest run first. Returns the
+/// table of errors, and the estimate of the largest error. Differences of 0 mean no error: such waves are exact on
+/// every grid.
 pub fn extrapolate(rules: Rules, runs: &[(usize, &Response)]) -> (ErrorTable, Estimate) {
     let Some((_, finest)) = runs.first() else { return (ErrorTable::default(), estimate(&[], SMOOTH)) };
     let apart = |pair: &[(usize, &Response)]| {
@@ -85,8 +88,8 @@ pub fn extrapolate(rules: Rules, runs: &[(usize, &Response)]) -> (ErrorTable, Es
     (table, worst.unwrap_or_else(|| estimate(&[], SMOOTH)))
 }
 
-/// With the order seen between the runs, where two in a row agree; else with that of fronts. `differences` are those of the
-/// finest two, the next two, and so on, in what the value is to be in.
+/// Estimates the error with the observed order, if two successive ones agree, and otherwise with that of fronts.
+/// `differences` are those of the two finest runs, the next two, and so on, in the unit of the estimate.
 fn estimate(differences: &[Difference], highest: f64) -> Estimate {
     let orders: Vec<f64> = differences.windows(2).map(|pair| order(pair[0], pair[1])).collect();
     match orders[..] {
@@ -99,14 +102,15 @@ fn estimate(differences: &[Difference], highest: f64) -> Estimate {
     }
 }
 
-/// With the order of fronts.
+/// Estimates the error with the order of fronts.
 fn assumed(differences: &[Difference], highest: f64, hope: f64) -> Estimate {
     let value = SAFETY_OF_FRONTS * remaining(differences, highest, FRONTS);
     Estimate { value, order: FRONTS, seen: false, hope }
 }
 
-/// The order p of errors C n^-p of n cells that makes the differences what they are. Those of ratios r and s are to each other as
-/// `r^p (s^p - 1)/(r^p - 1)`, which rises with p. 0 where no positive order does.
+/// Returns the order p for which errors C n^-p with n cells reproduce the two differences. The ratio of the coarser to
+/// the finer difference is `r^p (s^p - 1)/(r^p - 1)` for ratios of cells r (finer) and s (coarser), and increases with
+/// p. If r and s differ and no positive order fits, the result is 0.
 fn order(near: Difference, far: Difference) -> f64 {
     let apart = far.apart / near.apart;
     if near.ratio == far.ratio || !apart.is_finite() {
@@ -120,14 +124,14 @@ fn order(near: Difference, far: Difference) -> f64 {
     low
 }
 
-/// Difference of the finest two, of this ratio of cells, over the next one, by an order.
+/// Returns the ratio of the finer difference to the coarser one for an order; `near` and `far` are their ratios of cells.
 fn shrinks(near: f64, far: f64, order: f64) -> f64 {
     let [near, far] = [near, far].map(|ratio| ratio.powf(order));
     (near - 1.0) / (near * (far - 1.0))
 }
 
-/// The difference of the finest two, or what the next one makes of it at the highest order, whichever is more: it can be small
-/// by chance, where both grids are off by the same, but seldom twice.
+/// Returns the difference of the two finest runs, or that predicted from the next difference with the highest order,
+/// whichever is larger: a difference can be small by chance, if both grids have the same error, but seldom twice.
 fn largest(differences: &[Difference], highest: f64) -> f64 {
     match *differences {
         [near, far, ..] => near.apart.max(far.apart * shrinks(near.ratio, far.ratio, highest)),
@@ -136,7 +140,7 @@ fn largest(differences: &[Difference], highest: f64) -> f64 {
     }
 }
 
-/// What is left of an error of which the largest difference went between the finest two.
+/// Returns the remaining error of the finest run, extrapolated from the largest difference with an order.
 fn remaining(differences: &[Difference], highest: f64, order: f64) -> f64 {
     let ratio = differences.first().map_or(1.0, |near| near.ratio);
     largest(differences, highest) / (ratio.powf(order) - 1.0)
@@ -161,7 +165,7 @@ mod tests {
         })
     }
 
-    /// Differences of runs with a half of the cells each.
+    /// Differences of runs, each with half as many cells as the one before.
     fn halved(apart: &[f64]) -> Vec<Difference> {
         apart.iter().map(|&apart| Difference { apart, ratio: 2.0 }).collect()
     }
@@ -195,7 +199,7 @@ mod tests {
     #[test]
     fn no_difference_is_no_error_and_orders_by_chance_are_not_believed() {
         assert_eq!(estimate(&halved(&[0.0, 0.0, 0.0]), SMOOTH).value, 0.0);
-        // One order alone, two that differ, and two that are too low: that of fronts.
+        // A single order, two different orders, and two orders that are too low: the order of fronts is used.
         for differences in [&[1.0, 4.0][..], &[1.0, 4.0, 6.0], &[1.0, 1.1, 1.2]] {
             let found = estimate(&halved(differences), SMOOTH);
             assert!(!found.seen && found.order == FRONTS, "{found:?}");
@@ -206,7 +210,7 @@ mod tests {
 
     #[test]
     fn two_grids_that_are_off_by_the_same_do_not_hide_it() {
-        // Nothing between the finest two, but 0.4 before: no order above 2 makes less than 0.1 of that.
+        // The two finest runs are equal, but the next difference is 0.4: with an order of at most 2 it decreases to 0.1.
         assert_eq!(largest(&halved(&[0.0, 0.4, 0.5]), SMOOTH), 0.1);
         assert_eq!(largest(&halved(&[0.0, 0.0, 1.6]), SMOOTH), 0.0);
         assert!(estimate(&halved(&[0.0, 0.4, 0.5]), SMOOTH).value > 0.1);
@@ -214,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_kink_is_seen_wherever_it_lies() {
-        // Cells that hold the mean of a ramp from a corner on: halves of them have the same means.
+        // Cells contain the mean of a ramp that starts at a corner; half cells have consistent means.
         for corner in [0.5, 0.5004, 0.5017, 0.5031] {
             let profile = |cells: usize| {
                 let h = 1.0 / cells as f64;
@@ -226,7 +230,7 @@ mod tests {
             };
             let [fine, half, quarter, eighth] = [256, 128, 64, 32].map(profile);
             let differences = [half.apart(&fine).0, quarter.apart(&half).0, eighth.apart(&quarter).0];
-            // At a cell's centre the mean is off by an eighth of the cell at most, over a cell.
+            // At the centre of a cell the mean differs by at most an eighth of the cell size, over one cell.
             let most = 0.125 / 256.0_f64.powi(2);
             let found = estimate(&halved(&differences), SMOOTH);
             assert!(found.value >= most && found.value < 10.0 * most, "{corner}: {found:?} {most:e}");
@@ -243,7 +247,7 @@ mod tests {
         };
         let apart = |cells: usize| profile(cells / 2).apart(&profile(cells)).0;
         let found = estimate(&halved(&[256, 128, 64].map(apart)), SMOOTH);
-        // The cells at the ends have no bend.
+        // The cells at the ends have no curvature.
         let truth = 1.0 / 12.0 / 256.0_f64.powi(2);
         assert!((found.order - 2.0).abs() < 0.05, "{}", found.order);
         assert!((found.value / SAFETY / truth - 1.0).abs() < 0.05, "{} {truth}", found.value / SAFETY);

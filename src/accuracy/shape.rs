@@ -1,22 +1,22 @@
-//! A quantity over the bar at one time, or over time at one point, and the norm of the difference of two.
+//! Quantity over the bar at one time, or over time at one point, and the norm of the difference of two such quantities.
 
 use serde::{Deserialize, Serialize};
 
 use crate::solver::fd::SegmentGrid;
 
-/// A quantity over an abscissa (m or s).
+/// Quantity over an abscissa (m or s).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Shape {
-    /// Constant between edges: as front tracking and the self-similar solution have it.
+    /// Piecewise constant, as in front tracking and in the self-similar solution.
     Steps {
-        /// Increasing.
+        /// Edges of the pieces, increasing.
         edges: Vec<f64>,
-        /// One more than edges; an edge belongs to the piece on its left.
+        /// Values of the pieces, one more than edges; an edge belongs to the piece on its left.
         values: Vec<f64>,
-        /// Where the first piece begins and the last one ends.
+        /// Start of the first piece and end of the last one.
         ends: [f64; 2],
     },
-    /// Known at points, increasing; straight between them and level outside.
+    /// Values at points (increasing), interpolated linearly and constant outside.
     Points(Vec<(f64, f64)>),
     /// Means over the cells of a bar.
     Cells(Cells),
@@ -27,25 +27,26 @@ pub enum Shape {
 pub struct Cells {
     /// Segments from left to right.
     pub segments: Vec<SegmentGrid>,
-    /// One a cell.
+    /// Value of each cell.
     pub values: Vec<f64>,
 }
 
-/// Side from which a value is read where a quantity jumps.
+/// Side from which a value is read where the quantity jumps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Side {
     Before,
     After,
 }
 
-/// Cells on both sides of a pair that must be there for its curvature.
+/// Number of cells on each side of a pair that are needed for the curvature between the two.
 const BESIDE: usize = 2;
 
-/// Part of a place that is rounding: times are sums of steps, and two runs meet a wave at the same time up to this.
+/// Relative difference of positions or times up to which they are equal: times are sums of steps, and two runs meet a
+/// wave at the same time up to this.
 const ROUNDING: f64 = 1e-9;
 
 impl Shape {
-    /// Steps from the two rows that a history has for each of its steps.
+    /// Creates steps from a history with two rows for each of its steps.
     pub fn from_rows(time: &[f64], stress: &[f64]) -> Self {
         let (mut edges, mut values) = (Vec::new(), vec![stress.first().copied().unwrap_or(0.0)]);
         for k in 1..time.len() {
@@ -58,7 +59,7 @@ impl Shape {
         Self::Steps { edges, values, ends }
     }
 
-    /// Value at a place.
+    /// Returns the value at a position.
     fn at(&self, x: f64, side: Side) -> f64 {
         match self {
             Self::Steps { edges, values, .. } => values[edges.partition_point(|&edge| side.is_past(edge, x))],
@@ -67,7 +68,7 @@ impl Shape {
         }
     }
 
-    /// Cells on the way to those of a later step: a part of the difference is added. What has no cells stays as it is.
+    /// Interpolates cells linearly in time towards those of a later step, with weight `weight` of the latter. Other shapes are returned unchanged.
     #[must_use]
     pub fn towards(mut self, later: &Self, weight: f64) -> Self {
         if let (Self::Cells(cells), Self::Cells(later)) = (&mut self, later) {
@@ -78,12 +79,12 @@ impl Shape {
         self
     }
 
-    /// Largest magnitude.
+    /// Returns the largest magnitude.
     pub fn largest(&self) -> f64 {
         self.largest_between([f64::MIN, f64::MAX])
     }
 
-    /// Largest magnitude between two places that lie inside it; of cells and points those between them count.
+    /// Returns the largest magnitude between two positions inside the shape; for cells and points, that of the cells and points between them.
     pub fn largest_between(&self, [from, to]: [f64; 2]) -> f64 {
         let within = |x: f64| (from..=to).contains(&x);
         let magnitudes: &mut dyn Iterator<Item = f64> = match self {
@@ -100,8 +101,9 @@ impl Shape {
         magnitudes.fold(0.0, |most, value| most.max(value.abs()))
     }
 
-    /// Integrals of |difference| and of the reference's magnitude. Points are read where they are, the second of two at one place
-    /// behind the jump, and cells at their centres, each for the stretch that it stands for; two rows of steps are integrated exactly.
+    /// Returns the integrals of |difference| and of the reference's magnitude. Points are read at their positions (the
+    /// second of two points at one position after the jump) and cells at their centres, each weighted with the interval
+    /// that it represents. Two piecewise constant shapes are integrated exactly.
     pub fn apart(&self, reference: &Self) -> (f64, f64) {
         let sum = |parts: &mut dyn Iterator<Item = (f64, f64, Side)>| {
             parts.fold((0.0, 0.0), |(apart, total), (width, x, side)| {
@@ -124,7 +126,7 @@ impl Shape {
 }
 
 impl Side {
-    /// Whether what is at `place` lies before what is read at `x`.
+    /// Returns true if what is at `place` precedes what is read at `x`.
     fn is_past(self, place: f64, x: f64) -> bool {
         match self {
             Self::Before => place < x - ROUNDING * x.abs(),
@@ -134,7 +136,7 @@ impl Side {
 }
 
 impl Cells {
-    /// Size and centre of each cell, m.
+    /// Returns the size and centre of each cell, m.
     fn parts(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.segments.iter().flat_map(|part| {
             let centre = |cell: usize| part.x0 + ((cell - part.cells.start) as f64 + 0.5) * part.spacing;
@@ -142,15 +144,15 @@ impl Cells {
         })
     }
 
-    /// Value at a place. A straight line between two cells is what the mean of the two is: cells of a half and of the whole size
-    /// agree in that however coarse both are. So the curvature counts, that of kinks too, but not at a front, where it changes
-    /// its sign from cell to cell.
+    /// Returns the value at a position. Linear interpolation midway between two cells equals their mean, so that a grid
+    /// and one with half as many cells agree there however coarse both are. The curvature is therefore included, also
+    /// at kinks, but not at a front, where it changes its sign from cell to cell.
     fn at(&self, x: f64) -> f64 {
         let segment = self.segments.partition_point(|part| part.x0 <= x).max(1) - 1;
         let part = &self.segments[segment];
         let last = part.cells.len() - 1;
         let place = ((x - part.x0) / part.spacing - 0.5).clamp(0.0, last as f64);
-        // A centre is read as it is, however its place is rounded.
+        // The value at a centre is read unchanged, whatever the rounding of its position.
         let place = if (place - place.round()).abs() < CENTRE { place.round() } else { place };
         let left = (place.floor() as usize).min(last.saturating_sub(1));
         let weight = place - left as f64;
@@ -169,7 +171,7 @@ impl Cells {
     }
 }
 
-/// Distance from the centre of a cell that is rounding, in cells.
+/// Distance from the centre of a cell, in cells, up to which it is attributed to rounding.
 const CENTRE: f64 = 1e-6;
 
 fn between(points: &[(f64, f64)], x: f64, side: Side) -> f64 {
@@ -181,7 +183,7 @@ fn between(points: &[(f64, f64)], x: f64, side: Side) -> f64 {
     }
 }
 
-/// The stretch that each point stands for, its place, and the side of a jump on which it is.
+/// Returns the interval that each point represents, its position, and its side of a jump.
 fn readings(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64, Side)> + '_ {
     widths(points).into_iter().enumerate().map(|(k, width)| {
         let x = points[k].0;
@@ -190,7 +192,7 @@ fn readings(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64, Side)> + '
     })
 }
 
-/// The stretch that each point stands for: half-way to its neighbours, and as far out at the ends.
+/// Returns the interval that each point represents: half-way to its neighbours, and equally far outwards at the ends.
 fn widths(points: &[(f64, f64)]) -> Vec<f64> {
     let last = points.len().saturating_sub(1);
     let gap = |k: usize| points[k + 1].0 - points[k].0;
@@ -207,7 +209,7 @@ fn widths(points: &[(f64, f64)]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Relative L1 distance; none where the reference is nothing but zeros.
+    /// Returns the relative L1 distance; `None` if the reference is zero everywhere.
     fn distance(shape: &Shape, reference: &Shape) -> Option<f64> {
         let (apart, total) = shape.apart(reference);
         (total > 0.0).then(|| apart / total)
@@ -226,7 +228,7 @@ mod tests {
 
     #[test]
     fn steps_are_compared_exactly() {
-        // 2 on the first half against 2 on the first 0.6: 0.1 * 2 apart, over 1.2.
+        // 2 on the first half against 2 on the first 0.6: the difference is 0.1 * 2, relative to 1.2.
         let distance = distance(&steps(&[0.5], &[2.0, 0.0]), &steps(&[0.6], &[2.0, 0.0]));
         assert!((distance.expect("not zero") - 0.2 / 1.2).abs() < 1e-15);
     }
@@ -236,7 +238,7 @@ mod tests {
         let points = |values: &[f64]| {
             Shape::Points(values.iter().enumerate().map(|(i, &v)| (0.125 + 0.25 * i as f64, v)).collect())
         };
-        // A front on the border of two cells is met exactly.
+        // A front on the boundary between two cells is represented exactly.
         for shape in [points, cells] {
             assert_eq!(distance(&shape(&[3.0, 3.0, 0.0, 0.0]), &steps(&[0.5], &[3.0, 0.0])), Some(0.0));
             assert_eq!(distance(&shape(&[3.0, 3.0, 1.0, 0.0]), &steps(&[0.5], &[3.0, 0.0])), Some(1.0 / 6.0));
@@ -248,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_jump_that_both_histories_have_is_no_difference() {
-        // The wave arrives at 1 s, in the other history up to rounding; before it 0, behind it 5 and falling.
+        // The wave arrives at 1 s, in the other history up to rounding; the value is 0 before it, and 5 and decreasing after it.
         let history = |count: usize, arrival: f64| {
             let before = (0..count).map(|k| (k as f64 / count as f64, 0.0));
             let behind = (0..=count).map(|k| (arrival + k as f64 / count as f64, 5.0 - k as f64 / count as f64));

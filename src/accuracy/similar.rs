@@ -1,4 +1,4 @@
-//! The response of a bar with a single fan: the self-similar solution.
+//! Response of a bar with a single fan: the self-similar solution.
 
 use super::joint_forces::JointForces;
 use super::listen::{empty, peak_of};
@@ -6,7 +6,8 @@ use super::response::Response;
 use super::shape::Shape;
 use crate::bar::{Bar, InitialFan};
 
-/// The response up to the last of the instants `times` (s, increasing), with gauges at these places (m). Exact for the curve's table.
+/// Returns the response up to the last of the instants `times` (s, increasing), with gauges at these positions (m). It
+/// is exact for the table of the curve.
 pub fn similar_response(bar: &Bar, initial_fan: &InitialFan, times: &[f64], gauges: &[f64]) -> Response {
     let (length, modulus) = (bar.length(), bar.segments[initial_fan.segment].material.modulus);
     let until = times.last().copied().unwrap_or(0.0);
@@ -23,12 +24,12 @@ pub fn similar_response(bar: &Bar, initial_fan: &InitialFan, times: &[f64], gaug
     .with_peaks(peaks, &JointForces::new(bar, &[]))
 }
 
-/// Stress over the bar at a time.
+/// Returns the stress over the bar at a time.
 fn similar_profile(initial_fan: &InitialFan, length: f64, time: f64) -> Shape {
     profile(initial_fan, length, time, |_, stress| stress)
 }
 
-/// A function of the magnitudes of strain and stress over the bar.
+/// Returns a function of the magnitudes of strain and stress over the bar, with the sign of the fan.
 fn profile(initial_fan: &InitialFan, length: f64, time: f64, value: impl Fn(f64, f64) -> f64) -> Shape {
     let mut edges: Vec<f64> =
         initial_fan.fan.edges.iter().map(|e| initial_fan.x + initial_fan.direction * e.speed * time).collect();
@@ -44,7 +45,7 @@ fn profile(initial_fan: &InitialFan, length: f64, time: f64, value: impl Fn(f64,
     Shape::Steps { edges, values, ends: [0.0, length] }
 }
 
-/// Stress over time at a place.
+/// Returns the stress over time at a position.
 fn similar_history(initial_fan: &InitialFan, x: f64, until: f64) -> Shape {
     let distance = (x - initial_fan.x).abs();
     let passing = initial_fan.fan.edges.iter().filter(|e| e.speed > 0.0 && distance <= e.speed * until);

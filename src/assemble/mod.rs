@@ -1,4 +1,4 @@
-//! Selection of the types of a scene: which law, in which form, for which segment. The only place that does this.
+//! Selects the types for a scene: which solver, which law for each segment, and in which form. This is the only module that does so.
 
 mod rate_curves;
 mod sudden_fans;
@@ -24,20 +24,20 @@ use crate::solver::net::{self, Net};
 use crate::wave::riemann::{Flow, Medium};
 use crate::wave::similarity::SCATTER;
 
-/// What is to be done with the bar of a scene, whatever its solver.
+/// Task to be done with the bar of a scene, whichever solver it needs.
 pub trait Task {
-    /// What comes of it.
+    /// Result of the task.
     type Output;
 
-    /// Does it with a bar on a grid.
+    /// Runs the task on a grid method.
     fn on_grid(self, bar: impl Stepped + Snapshot) -> Self::Output;
 
-    /// Does it by front tracking, with the scene's settings.
+    /// Runs the task by front tracking with the scene's settings.
     fn by_fronts(self, settings: Settings) -> Self::Output;
 }
 
-/// Hands the bar of a scene's method to a task: the one place that chooses between solvers. Tapers have to be in pieces where the method asks
-/// for it, see [`Scene::in_pieces`].
+/// Builds the bar for the scene's method and runs the task on it. This is the only place that chooses between solvers. Tapers must already be divided
+/// into pieces if the method needs that, see [`Scene::in_pieces`].
 pub fn solve<T: Task>(scene: &Scene, task: T) -> T::Output {
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => task.on_grid(leapfrog(scene, cells, cfl)),
@@ -49,15 +49,16 @@ pub fn solve<T: Task>(scene: &Scene, task: T) -> T::Output {
     }
 }
 
-/// Time steps by which rounding to whole ones may shift waves of two segments against each other in a run. In 250 cells of two materials, sharp
-/// waves are nearer to the exact ones up to that, and farther by three times after 20.
+/// Largest shift between waves of two segments that rounding of transit times to whole steps may cause in a run, in time steps. With 250 cells of two
+/// materials, rounding makes sharp waves more accurate up to a shift of 3 steps, and three times less accurate at 20.
 const MOST_SHIFT: f64 = 3.0;
 
-/// The grid of a scene: about `cells` cells, Courant number `cfl`. Sharp waves cross a cell in a step where they can: by 1e-4 less, the scheme
-/// disperses them, by 10 % of their stress. Smooth waves do not need that, and are of second order without.
+/// Returns the grid of a scene: about `cells` cells, Courant number `cfl`. If the scene may have sharp waves, they cross each cell in exactly one
+/// step where possible: at a Courant number lower by 1e-4 the scheme disperses them by 10 % of their stress. Smooth waves do not need this and are
+/// computed to second order without it.
 ///
 /// # Panics
-/// With a Courant number outside of 0 < cfl <= 1, which scenes cannot have.
+/// If the Courant number is outside of 0 < cfl <= 1, which scenes exclude.
 pub fn grid(scene: &Scene, cells: usize, cfl: f64) -> Grid {
     let grid = Grid::new(&scene.bar, cells, cfl);
     if cfl < 1.0 || !(scene.may_have_sharp_waves() || sudden_fans::rise_within_steps(scene, grid.dt)) {
@@ -66,7 +67,7 @@ pub fn grid(scene: &Scene, cells: usize, cfl: f64) -> Grid {
     grid.in_whole_steps(&scene.bar, MOST_SHIFT / grid.steps_to(scene.solve.until) as f64)
 }
 
-/// The grid of a scene by its method, which has one. Tapers have to be in pieces where the method asks for it.
+/// Returns the grid of a scene for its method; `None` for front tracking. Tapers must already be divided into pieces if the method needs that.
 pub fn grid_by_method(scene: &Scene) -> Option<Grid> {
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => Some(grid(scene, cells, cfl)),
@@ -75,10 +76,10 @@ pub fn grid_by_method(scene: &Scene) -> Option<Grid> {
     }
 }
 
-/// The finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
+/// Builds the leapfrog bar of a scene at t = 0: about `cells` cells, Courant number `cfl`.
 ///
 /// # Panics
-/// With a Courant number outside of 0 < cfl <= 1, which scenes cannot have.
+/// If the Courant number is outside of 0 < cfl <= 1, which scenes exclude.
 pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
@@ -94,9 +95,9 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     }
 }
 
-/// The ends as they drive a grid. A prescribed stress above all that the curve carries holds the end at the largest stress of the curve, as by front
-/// tracking: the first cell would take up the momentum of what is above, and give it back once the stress falls. In a bar that may break, the strain
-/// of that cell tells when.
+/// Returns the end conditions for a grid. A prescribed stress above the largest stress of the curve is limited to that stress, as in front tracking:
+/// otherwise the first cell would store the excess momentum and return it once the stress falls. In a bar that may fracture nothing is limited,
+/// because the strain of the first cell determines when it does.
 fn ends_on_grid(scene: &Scene) -> [EndCondition; 2] {
     let limited = follows_curves(scene) && scene.effects.rupture.is_none();
     let last = scene.bar.segments.len() - 1;
@@ -111,17 +112,18 @@ fn ends_on_grid(scene: &Scene) -> [EndCondition; 2] {
     })
 }
 
-/// The left and the right end are struck or pulled faster than waves along the curve can carry away.
+/// Returns whether the left and the right end are struck or pulled at more than the critical velocity.
 fn above_critical(scene: &Scene, fans: &[InitialFan]) -> [bool; 2] {
-    // A bar that depends on the strain rate starts without the fan of its curve.
+    // A rate-dependent bar does not start with the fan of its curve, so the fans of the curve are checked as well.
     let [left, right] = scene.ends_in_run();
     let first = first_fans(&scene.bar, &left, &right);
     let all = || fans.iter().chain(&first);
     [Origin::Left, Origin::Right].map(|end| all().any(|fan| fan.origin == end && fan.fan.above_critical))
 }
 
-/// The fan of a sudden load at t = 0 that strains the bar beyond the data of its curve at once, where bars start with the fans of their curves.
-/// The mean strain of a cell may stay below that, as under a light striker; that of the end of the bar does not.
+/// Returns the fan of a sudden load at t = 0 that strains the bar beyond the data of its curve at once; `None` if there is no such load or if the bar
+/// does not start with the fans of its curves. The strain at the end of the bar is then beyond the data even where the mean strain of the first cell
+/// is not, as under a light striker.
 pub fn starts_beyond_data(scene: &Scene) -> Option<InitialFan> {
     let is_plain = along(&scene.bar, &scene.effects).is_none() && scene.effects.rupture.is_none();
     let [left, right] = scene.ends_in_run();
@@ -129,7 +131,7 @@ pub fn starts_beyond_data(scene: &Scene) -> Option<InitialFan> {
     fans.into_iter().find(|fan| fan.fan.beyond_data && fan.from == 0.0 && fan.holds_until > 0.0)
 }
 
-/// The fans with which leapfrog starts, and the sudden loads that it shows.
+/// Returns the fans with which leapfrog starts, and the sudden loads that its histories and peaks show.
 fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialFan>, SuddenLoads) {
     let mut fans = match (follows_curves(scene), along.is_nothing()) {
         (true, true) => sudden_fans(scene, grid, sudden_fans::LATE_IN_LEAPFROG),
@@ -140,7 +142,7 @@ fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialF
     let sudden = sudden_loads(scene, &fans, grid, 1.0);
     if along.is_nothing() {
         fans.extend(sudden_fans::at_springs(scene, grid, sudden_fans::LATE_IN_LEAPFROG));
-        // A ball does not pull.
+        // A ball cannot pull, so that its fan ends once the stress is 0.
         let without_pull = |fan: InitialFan| InitialFan { yields_after: fan.yields_after.min(fan.fan.stress), ..fan };
         let balls = sudden_fans::at_balls(scene, grid).into_iter();
         fans.extend(balls.map(|fan| without_pull(unloaded(fan, scene))));
@@ -148,21 +150,22 @@ fn start(scene: &Scene, grid: &Grid, along: &DistributedForces) -> (Vec<InitialF
     (fans, sudden)
 }
 
-/// First loading follows the materials' curves at once.
+/// Returns whether first loading follows the materials' curves from the first step on.
 fn follows_curves(scene: &Scene) -> bool {
     scene.effects.rate.is_none() && starts_on_curves(scene)
 }
 
-/// First loading starts on the materials' curves; where it heats them, these are adiabatic from a cold state without plastic strain on.
+/// Returns whether first loading starts on the materials' curves. The curve of a material that flow heats is adiabatic and holds only for a cold bar
+/// without plastic strain.
 fn starts_on_curves(scene: &Scene) -> bool {
     let warms = |segment: &Segment| heat_of_state(segment, &scene.effects).is_some();
     !scene.bar.segments.iter().any(|segment| warms(segment) && (segment.has_yielded() || segment.starts_warm()))
 }
 
-/// The conservative finite-difference bar of a scene, ready to step: about `cells` cells, Courant number `cfl`.
+/// Builds the MUSCL (Godunov) bar of a scene at t = 0: about `cells` cells, Courant number `cfl`.
 ///
 /// # Panics
-/// With a Courant number outside of 0 < cfl <= 1, which scenes cannot have.
+/// If the Courant number is outside of 0 < cfl <= 1, which scenes exclude.
 pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| segment_law(s, &scene.effects)).collect();
@@ -176,12 +179,12 @@ pub fn muscl(scene: &Scene, cells: usize, cfl: f64) -> Muscl {
     bar.under_sudden_loads(sudden)
 }
 
-/// The fans that ends and joints start with, and those that start there later.
+/// Returns the fans with which ends and joints start, and those that start there later, with the way the bar behind them unloads.
 fn sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     all_sudden_fans(scene, grid, late).into_iter().map(|fan| unloaded(fan, scene)).collect()
 }
 
-/// A fan with how the bar behind it is unloaded.
+/// Returns the fan with the way the bar behind it unloads.
 fn unloaded(fan: InitialFan, scene: &Scene) -> InitialFan {
     if is_followed_both_ways(&scene.effects) {
         return fan.unloading_along_curve();
@@ -194,12 +197,12 @@ fn unloaded(fan: InitialFan, scene: &Scene) -> InitialFan {
     InitialFan { yields_after: 2.0 * yields, ..fan }
 }
 
-/// Stress at which a material first yields in one sense, Pa.
+/// Stress at which a material first yields in this sense, Pa.
 fn yield_stress(material: &Material, sense: Sense) -> f64 {
     Table::new(material.branch(sense), material.modulus).yield_stress()
 }
 
-/// Those of a bar that is unloaded elastically.
+/// Returns all fans as if the bar unloaded elastically.
 fn all_sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let first = starting_fans(&scene.bar, &scene.left, &scene.right);
     if !follows_curves(scene) {
@@ -216,7 +219,7 @@ fn all_sudden_fans(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     sudden_fans::with_later(first, &later, &stepped, (grid, late))
 }
 
-/// The scene with its segments as long as they are to a scheme on this grid.
+/// Returns the scene with the segment lengths that the scheme uses on this grid.
 fn as_stepped(scene: &Scene, grid: &Grid) -> Scene {
     let mut scene = scene.clone();
     for (segment, part) in scene.parts.bar.segments.iter_mut().zip(&grid.segments) {
@@ -225,19 +228,20 @@ fn as_stepped(scene: &Scene, grid: &Grid) -> Scene {
     scene
 }
 
-/// The loads behind these fans, for a `part` of the time for which schemes need the state behind them.
+/// Returns the loads behind these fans. They last for the fraction `part` of the time for which schemes need the state behind a fan.
 fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid, part: f64) -> SuddenLoads {
     let dx: Vec<f64> = grid.segments.iter().map(|segment| part * segment.dx).collect();
     SuddenLoads::new(&scene.bar, fans, &dx)
 }
 
-/// Steps after a load at which the state behind it is looked up where it fades: the mean of the first one, and about the last ones that show it.
+/// Numbers of steps after the load at which the state behind it is evaluated if it fades with time: the mean of the first step, and about the last
+/// step in which the load is shown.
 const FADING: [f64; 2] = [0.5, 100.0];
 
-/// Part of the time for which schemes need the state behind a fan in which they come to it themselves where flow takes time.
+/// Fraction of the time for which schemes need the state behind a fan after which they reach that state by themselves if the bar is rate-dependent.
 const COMES_TO_IT: f64 = 0.5;
 
-/// The fans with which a rate-dependent bar starts, and its sudden loads; neither in another bar.
+/// Returns the fans with which a rate-dependent bar starts, and its sudden loads; both are empty if the bar is not rate-dependent.
 fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads) {
     if scene.effects.rate.is_none() || !starts_on_curves(scene) {
         return Default::default();
@@ -247,7 +251,7 @@ fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads)
         let quick = rate_curves::taking_no_time(scene, time);
         let mut fans = sudden_fans(&quick, grid, sudden_fans::LATE_IN_LEAPFROG);
         fans.retain(|fan| rate_curves::has_relaxed(fan, scene, times[0]));
-        // What flows after an earlier load is still relaxing when a later one comes.
+        // Flow after an earlier load is still relaxing when a later load arrives, so that the later fan is dropped.
         let all = fans.clone();
         fans.retain(|fan| !all.iter().any(|other| other.precedes(fan)));
         (sudden_loads(&quick, &fans, grid, COMES_TO_IT), fans)
@@ -257,10 +261,10 @@ fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads)
     (fans, loads)
 }
 
-/// Stress differences that are rounding where states are summed up over many steps, as a part of the yield stress.
+/// Stress differences below this fraction of the yield stress count as rounding in states that are summed up over many steps.
 const ROUND_OFF: f64 = 1e-11;
 
-/// What the Riemann problem must know of a segment on a grid.
+/// Returns the data of a segment on a grid that the Riemann problem needs.
 pub fn medium(segment: &Segment, effects: &Effects) -> Medium {
     let material = &segment.material;
     let [tension, compression] = [Sense::Tension, Sense::Compression].map(|sense| {
@@ -276,8 +280,8 @@ pub fn medium(segment: &Segment, effects: &Effects) -> Medium {
     Medium::new(tables, material.modulus, material.density, segment.area, flow, round_off)
 }
 
-/// What acts along the bar beside the stress of its curve, if anything does. A section is taken for a round one: its polar
-/// radius of gyration is that of a disc, `r_p^2 = A/(2 pi)`. Poisson's ratio is the elastic one throughout.
+/// Returns the forces that act along the bar besides the stress of the curve; `None` if there are none. A section counts as round: its polar radius
+/// of gyration is that of a disc, `r_p^2 = A/(2 pi)`. Poisson's ratio is the elastic one throughout.
 pub fn along(bar: &Bar, effects: &Effects) -> Option<DistributedForces> {
     let damping = effects.damping.unwrap_or_default();
     let lateral = |segment: &Segment| {
@@ -294,7 +298,7 @@ pub fn along(bar: &Bar, effects: &Effects) -> Option<DistributedForces> {
     Some(along).filter(|along| !along.is_nothing())
 }
 
-/// When the bar of a scene breaks, if it is to.
+/// Returns the fracture criteria of the bar; `None` if the scene has no rupture effect.
 pub fn criteria(scene: &Scene) -> Option<Criteria> {
     let rupture = scene.effects.rupture.as_ref()?;
     let criterion = |(segment, &notch): (&Segment, &f64)| {
@@ -308,7 +312,7 @@ pub fn criteria(scene: &Scene) -> Option<Criteria> {
     })
 }
 
-/// The tracked bar of a scene at t = 0; tapered segments as staircases, see [`Scene::in_pieces`].
+/// Builds the front-tracking bar of a scene at t = 0, with tapered segments divided into steps, see [`Scene::in_pieces`].
 pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
@@ -317,7 +321,7 @@ pub fn front_tracking(scene: &Scene, settings: Settings) -> FrontTracking {
     FrontTracking::that_breaks(&scene.bar, flow(&scene.effects), ends, settings, criteria(scene))
 }
 
-/// The characteristic net of a rate-dependent scene at t = 0, about `cells` cells; tapered segments likewise.
+/// Builds the characteristic net of a rate-dependent scene at t = 0 with about `cells` cells; tapered segments are divided in the same way.
 pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
@@ -327,13 +331,13 @@ pub fn characteristic_net(scene: &Scene, cells: usize) -> Net {
     Net::new(&scene.bar, grid, laws, [scene.left.clone(), scene.right.clone()]).under_sudden_loads(sudden)
 }
 
-/// The rate-dependent law of a material at its reference temperature. Without a rate in the effects, or constants of the material (which
-/// [`Scene::notes`] reports), plastic strain takes no time.
+/// Returns the rate-dependent law of a material at its reference temperature. The law is rate-independent if the scene has no rate effect or if the
+/// material lacks the constants (which [`Scene::notes`] reports).
 pub fn rate_law(material: &Material, effects: &Effects) -> RateLaw {
     let law = effects.rate.and_then(|rate| Overstress::of(rate, material));
     let overstress = law.unwrap_or(Overstress::RATE_INDEPENDENT);
     let kinematic = effects.hardening.map_or(0.0, HardeningRule::kinematic_fraction);
-    // Where the temperature is a state of its own, the curves are the cold ones.
+    // If the temperature is a state variable, the curves are those of the cold material.
     let cold = material.heating.as_ref().map(|heating| heating.cold.iter().collect());
     let curves: Vec<&Curve> =
         cold.unwrap_or_else(|| [&material.tension].into_iter().chain(&material.compression).collect());
@@ -345,16 +349,16 @@ fn moves(effects: &Effects) -> bool {
     effects.hardening.is_some_and(HardeningRule::moves)
 }
 
-/// What heats a segment where the temperature is a state of each cell. Where hardening is isotropic, flow takes no time, and the segment
-/// starts cold and without plastic strain, the temperature is a matter of the (adiabatic) curve alone: none.
+/// Returns the heating data of a segment if its temperature is a state variable of each cell. `None` if hardening is isotropic, flow is
+/// rate-independent, and the segment starts cold and without plastic strain: then the adiabatic curve alone determines the temperature.
 pub fn heat_of_state<'a>(segment: &'a Segment, effects: &Effects) -> Option<&'a Heating> {
     let heating = segment.material.heating.as_deref()?;
     let own = moves(effects) || effects.rate.is_some() || segment.has_yielded() || segment.starts_warm();
     (heating.warms() && own).then_some(heating)
 }
 
-/// The law of one segment under the scene's effects, in steps of `dt`, s. Heat applies first (to the curve, or to the static
-/// stresses of the cell), then the rate; rupture comes last, in the solver.
+/// Returns the law of one segment under the scene's effects, for steps of `dt` (s). Heat applies first (to the curve, or to the static stresses of
+/// the cell), then the strain rate. Rupture comes last, in the solver.
 pub fn stepped_law(segment: &Segment, effects: &Effects, dt: f64) -> SegmentLaw {
     let (law, material) = (segment_law(segment, effects), &segment.material);
     let (moves, heat) = (moves(effects), heat_of_state(segment, effects));
@@ -372,14 +376,14 @@ pub fn stepped_law(segment: &Segment, effects: &Effects, dt: f64) -> SegmentLaw 
     SegmentLaw { law: rows, end, ..law }
 }
 
-/// Where the data end on which a cell runs whose temperature is a state of its own.
+/// Returns where the data end for a cell whose temperature is a state variable.
 fn cold_end(material: &Material) -> DataEnd {
     let cold: Vec<&Curve> = material.heating.iter().flat_map(|heating| &heating.cold).collect();
     let tables: Vec<Table> = cold.iter().map(|curve| Table::new(curve, material.modulus)).collect();
     DataEnd::new([&tables[0], &tables[tables.len() - 1]], material.modulus, material.loading)
 }
 
-/// The law of one segment under the scene's effects but for that of the strain rate.
+/// Returns the law of one segment under all of the scene's effects except the strain rate.
 pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     let material = &segment.material;
     let tension = Table::new(material.branch(Sense::Tension), material.modulus);
@@ -397,12 +401,12 @@ pub fn segment_law(segment: &Segment, effects: &Effects) -> SegmentLaw {
     }
 }
 
-/// Bars with neither a hardening rule nor a rate law unload along their curve.
+/// Returns whether unloading follows the curve: in bars with neither a hardening rule nor a rate law.
 fn is_followed_both_ways(effects: &Effects) -> bool {
     effects.hardening.is_none() && effects.rate.is_none()
 }
 
-/// Which waves of a segment can be shocks.
+/// Returns which waves of a segment can be shocks.
 fn shocks(tables: [&Table; 2], material: &Material, effects: &Effects) -> Shocks {
     let distance = |chord: Chord| chord.relative_distance(material.modulus);
     let loading = tables.map(|table| table.chords(SCATTER).into_iter().map(distance).fold(0.0, f64::max));
@@ -415,12 +419,12 @@ fn shocks(tables: [&Table; 2], material: &Material, effects: &Effects) -> Shocks
     Shocks { loading, unloading, velocity: to_stiffening / material.impedance() }
 }
 
-/// The flow rule of a tracked bar under the scene's effects; kinematic hardening is that along one line.
+/// Returns the flow rule of front tracking under the scene's effects. Kinematic hardening is that of a bilinear curve, without an overlay.
 pub fn flow(effects: &Effects) -> Flow {
     effects.hardening.map_or(Flow::PathIndependent, |rule| Flow::Plastic { kinematic: rule.kinematic_fraction() })
 }
 
-/// The hardening law over the fastest form in which the table can be read.
+/// Returns the hardening law with the fastest representation that its table permits.
 fn choose_backbone(material: &Material, tension: &Table, compression: Table, effects: &Effects) -> Arc<dyn RowLaw> {
     if material.compression.is_some() {
         let indexed = (Indexed::new(tension), Indexed::new(&compression));
@@ -432,7 +436,7 @@ fn choose_backbone(material: &Material, tension: &Table, compression: Table, eff
         };
     }
     match effects.hardening {
-        // What searches for the flow of each cell gains nothing by the short forms of few lines.
+        // The representations for few lines gain nothing here: the law searches for the flow of each cell.
         Some(HardeningRule::Kinematic) if tension.is_multilinear() => match Indexed::new(tension) {
             Some(indexed) => warming(Overlay::new(indexed, tension), material),
             None => warming(Overlay::new(Searched(tension.clone()), tension), material),
@@ -460,7 +464,7 @@ fn choose_backbone(material: &Material, tension: &Table, compression: Table, eff
     }
 }
 
-/// Without a back stress. A curve for each sense has none, as scenes are checked for.
+/// Returns a law without back stress. Materials with a curve for each sense have none: scenes are checked for that.
 fn without_back_stress<B: Backbone + 'static>(
     backbone: B,
     rule: Option<HardeningRule>,
@@ -472,7 +476,7 @@ fn without_back_stress<B: Backbone + 'static>(
     }
 }
 
-/// With one curve for both senses, and hardening that is isotropic, or moves the elastic range by a fixed fraction.
+/// Returns a law with one curve for both senses and isotropic hardening, or hardening that moves the elastic range by a fixed fraction.
 fn of_one_curve<B: Backbone + 'static>(
     backbone: B,
     rule: Option<HardeningRule>,
@@ -488,7 +492,7 @@ fn of_one_curve<B: Backbone + 'static>(
     }
 }
 
-/// A law that can tell the temperature where its tables are those of a heated material.
+/// Wraps a law so that it can report the temperature if its tables are those of a heated material.
 fn warming<L: CellLaw<N> + 'static, const N: usize>(law: L, material: &Material) -> Arc<dyn RowLaw> {
     match &material.heating {
         Some(heating) => Arc::new(Rows::adiabatic(law, heating, material.modulus)),

@@ -1,8 +1,9 @@
-//! The curves along which a rate-dependent bar is loaded right behind a sudden load.
+//! Curves along which a rate-dependent bar is loaded just after a sudden load.
 //!
-//! A load that jumps starts no centred fan in such a bar: the waves of a fan spread with time, the strain rates in it fall as 1/t, and the
-//! stress falls with them. But by most rate laws it falls with the logarithm of the rate only. In the few steps that schemes on a grid need an
-//! exact start for, that is next to nothing, and the bar is one that takes no time, on curves lifted by the overstress of the rates meanwhile.
+//! A jump of the load starts no centred fan in such a bar: the waves spread with time, the strain rates in them fall as 1/t, and the stress falls
+//! with them. By most rate laws, however, it falls only with the logarithm of the rate. Over the few steps for which grid schemes need an exact
+//! start, that change is negligible, and the bar can be treated as rate-independent, with curves raised by the overstress at the rates of these
+//! steps.
 
 use std::sync::Arc;
 
@@ -12,23 +13,23 @@ use crate::law::rate::{Hardening, Overstress};
 use crate::material::{Beyond, Curve, Material};
 use crate::scene::{Effects, Scene};
 
-/// The plastic strain rate at a plastic strain, as a part of that over the time since the load. In a fan of a power law with exponent n it is
-/// `2/(1 - n)`, at its slow end, where the strain comes to rest, a hundredth of that.
+/// Plastic strain rate times the time since the load, relative to the plastic strain. In the fan of a power law with exponent n the value is
+/// `2/(1 - n)`; at the slow end of the fan, where the strain comes to rest, it is a hundredth of that.
 const RATE: f64 = 0.4;
 
-/// Plastic strains at which a lifted curve has knots, beside those of its material: from the first one, each larger by a factor, up to the
-/// last one where a curve is extended.
+/// Plastic strains at which a raised curve has knots besides those of its material: a geometric series from the first value by this factor, up to the
+/// last value for curves that are extended.
 const FIRST: f64 = 1e-8;
 const FACTOR: f64 = 1.3;
 const LAST: f64 = 1.0;
 
-/// Strains that differ by less are one.
+/// Relative difference below which two strains count as equal.
 const SAME: f64 = 1e-9;
 
-/// Relaxation times after which the stress of an elastic wave is gone.
+/// Number of relaxation times after which the overstress of an elastic wave has decayed.
 const GONE: f64 = 3.0;
 
-/// The scene with a bar that takes no time to flow, on the curves of its rate law at a `time` (s) after a load.
+/// Returns the scene with a rate-independent bar, on the curves that its rate law gives at `time` (s) after a load.
 pub(super) fn taking_no_time(scene: &Scene, time: f64) -> Scene {
     let mut scene = scene.clone();
     for segment in &mut scene.parts.bar.segments {
@@ -38,8 +39,8 @@ pub(super) fn taking_no_time(scene: &Scene, time: f64) -> Scene {
     scene
 }
 
-/// Within this `time` (s) after a load, flow relaxes the elastic stress with which the bar of this scene answers it at first: the state behind it is
-/// then that of the fan.
+/// Returns whether flow relaxes the elastic stress of the first response within `time` (s) after a load, so that the state behind the load is that of
+/// the fan.
 pub(super) fn has_relaxed(fan: &InitialFan, scene: &Scene, time: f64) -> bool {
     let material = &scene.bar.segments[fan.segment].material;
     let Some(law) = scene.effects.rate.and_then(|rate| Overstress::of(rate, material)) else { return true };
@@ -49,7 +50,7 @@ pub(super) fn has_relaxed(fan: &InitialFan, scene: &Scene, time: f64) -> bool {
     elastic > limit && law.relaxation_rate(elastic - limit, limit) * time > GONE
 }
 
-/// The curves of a heated material are its adiabatic ones.
+/// Raises the curves of a material to the rates at `time` (s) after a load. The curves of a heated material are its adiabatic ones.
 fn lift(material: &mut Material, effects: &Effects, time: f64) {
     material.heating = None;
     let Some(law) = effects.rate.and_then(|rate| Overstress::of(rate, material)) else { return };
@@ -76,8 +77,8 @@ fn lifted(curve: &Curve, modulus: f64, law: Overstress, time: f64) -> Curve {
     };
     let mut rows: Vec<(f64, f64)> = flowed.iter().map(knot).collect();
     rows.dedup_by(|next, row| next.0 <= row.0 * (1.0 + SAME));
-    // Its table ends at the ultimate point.
+    // The table of the raised curve ends at the ultimate point.
     let beyond = if curve.ultimate().is_some() { Beyond::Rupture } else { curve.beyond() };
-    // A curve that never yields stays as it is.
+    // A curve that never yields is left unchanged.
     Curve::new(&rows, beyond).unwrap_or_else(|_| curve.clone())
 }

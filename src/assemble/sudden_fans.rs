@@ -1,4 +1,4 @@
-//! The fans at ends and joints that a scheme on a grid follows: those at t = 0, and those that start when gaps close or waves arrive.
+//! Fans at ends and joints that a grid scheme follows: those at t = 0, and those that start when gaps close or waves arrive.
 
 use super::front_tracking;
 use crate::bar::{
@@ -12,46 +12,48 @@ use crate::solver::fd::{DistributedForces, Grid};
 use crate::solver::moc::Settings;
 use crate::wave::similarity::fan_at_velocity;
 
-/// Parts of a step by which a wave may arrive before or after one, and by which cells of a segment may have delayed it, to be as sharp as the start of
-/// a fan has to be. In leapfrog a wave that is 0.04 late rings beside a free face by 20 % of its stress; in the Godunov scheme none does.
+/// Largest time by which a wave may arrive before or after a whole step, and largest delay that the cells of a segment may have caused, in steps, for
+/// the wave to be as sharp as a fan start requires. In leapfrog, a wave that is 0.04 steps late rings at a free end by 20 % of its stress; in the
+/// Godunov scheme no wave rings.
 pub(super) const LATE_IN_LEAPFROG: f64 = 1e-3;
 pub(super) const LATE_IN_MUSCL: f64 = 0.05;
 
-/// Part of the time for which a fan is followed that it takes shape: its slowest front travels 3 cells. In random bars of up to three segments the largest
-/// force at the ends is 0.7 % wrong with 100 cells in the mean then, and 0.8 % where fans of less than 6 cells are left out; 2 cells gain nothing more.
-/// Where waves met a fan of 22 cells, the force at a joint was 27 % too large in the first step without one, and none was with it.
+/// Fraction of the time for which a fan is followed in which it takes shape: its slowest front travels 3 cells. In random bars of up to three
+/// segments (100 cells) the mean error of the largest end force is 0.7 % with this value, 0.8 % if fans shorter than 6 cells are left out, and no
+/// smaller with 2 cells. Where waves met a fan of 22 cells, the joint force was 27 % too large in the first step without the fan and correct with it.
 const SHAPED: f64 = 0.125;
 
-/// Events in which front tracking looks for fans: some milliseconds.
+/// Event budget of the front tracking that looks for fans: some milliseconds of computing time.
 const EVENTS: u64 = 5000;
 
-/// Steps into which it divides loads that grow or lessen, as part of the largest stress. Such loads start no fans, but jumps may follow them, and finer
-/// steps would use up the events before.
+/// Step into which that front tracking divides loads that grow or decay, as a fraction of the largest stress. Such loads start no fans, but jumps may
+/// follow them, and finer steps would use up the events before these.
 const STEP: f64 = 0.01;
 
-/// Those with which it goes on where the events are used up with the others: the pulse of a light striker crosses the bar then.
+/// Step with which it is repeated if the events are used up with [`STEP`]: the pulse of a light striker then crosses the bar.
 const COARSE_STEP: f64 = 0.1;
 
-/// Part of the time in which a wave crosses half a segment.
+/// Fraction of the time in which a wave crosses half a segment up to which that front tracking runs for the fans at t = 0.
 const HARDLY_STARTED: f64 = 0.1;
 
-/// Times in a step that are told apart: what is left of rounding would tell a bar from its mirror image.
+/// Resolution of times within a step. Finer differences are rounding and would make a bar and its mirror image differ.
 const TIMES_IN_STEP: f64 = (1_u64 << 36) as f64;
 
-/// Time steps in which loads rise that have fans. Without one, a stress that rises in 150 overshoots by 0.7 % of the strain of a bilinear bar, and a
-/// velocity by 1.2 % in aluminium; one that rises in 265 along a power law and falls again leaves the first cell 13 % too little strain.
+/// Longest rise of a load that gets a fan, in time steps. Without a fan, a stress that rises in 150 steps overshoots by 0.7 % of the strain of a
+/// bilinear bar, and a velocity that does so by 1.2 % in aluminium; a stress that rises in 265 steps along a power law and falls again leaves 13 %
+/// too little strain in the first cell.
 const MOST_STEPS: f64 = 2000.0;
 
-/// Time steps in which waves rise that are dispersed on grids as sharp ones are.
+/// Longest rise of a wave that grids disperse like a sharp one, in time steps.
 const SHARP_STEPS: f64 = 3.0;
 
-/// A load rises within so few steps of `dt` (s) that its waves are sharp.
+/// Returns whether a load rises within so few steps of `dt` (s) that its waves are sharp.
 pub(super) fn rise_within_steps(scene: &Scene, dt: f64) -> bool {
     let mut histories = [&scene.left, &scene.right].into_iter().filter_map(EndCondition::history);
     histories.any(|history| !history.rises(SHARP_STEPS * dt).is_empty())
 }
 
-/// The fans that front tracking finds in a scene up to a time, s; those of loads that rise within some steps of `dt` (s) as if these jumped.
+/// Returns the fans that front tracking finds in a scene up to `until` (s). Loads that rise within [`MOST_STEPS`] steps of `dt` (s) count as jumps.
 pub(super) fn tracked(scene: &Scene, dt: f64, until: f64) -> Vec<InitialFan> {
     let rises = Rises::new(scene, dt);
     let at_once = |origin: Origin, time: f64| {
@@ -75,20 +77,21 @@ pub(super) fn tracked(scene: &Scene, dt: f64, until: f64) -> Vec<InitialFan> {
     fans
 }
 
-/// Both are of one end or joint, and of one moment.
+/// Returns whether both fans start at the same end or joint at the same time.
 fn together(a: &InitialFan, b: &InitialFan) -> bool {
     a.origin == b.origin && a.from == b.from
 }
 
-/// Gives fans the time for which they would hold if no load lessened, as in the `held` ones. What unloads the bar behind a fan as its own load lessens is
-/// known, see [`crate::solver::unloading`]; where the first wave of such a load starts one, that hardly changes for some time.
+/// Extends the fans to the time for which they would hold if no load decayed, as the `held` fans do. If the load of a fan itself decays, the
+/// unloading behind the fan is known, see [`crate::solver::unloading`]; if the first wave of a decaying load starts the fan, the decay hardly changes
+/// it for some time.
 fn hold(fans: &mut Vec<InitialFan>, held: &[InitialFan], scene: &Scene) {
     let held: Vec<InitialFan> =
         held.chunk_by(together).flat_map(|fans| fans.iter().map(|fan| under_wave(fan, fans, scene))).collect();
     let same = |a: &InitialFan, b: &InitialFan| {
         a.origin == b.origin && a.segment == b.segment && (a.from - b.from).abs() <= SAME_TIME * a.from
     };
-    // On a grid the wave of a load that lessens loses its front before it closes a gap, sooner than it does exactly.
+    // On a grid, the wave of a decaying load loses its front before it closes a gap, earlier than in the exact solution.
     let steady = steady_for(scene, STEADY);
     for fan in fans.iter_mut().filter(|fan| fan.wave_through.is_none() && fan.waves_before > 0) {
         fan.holds_until = fan.holds_until.min(steady);
@@ -110,8 +113,8 @@ fn hold(fans: &mut Vec<InitialFan>, held: &[InitialFan], scene: &Scene) {
     fans.sort_by(|a, b| a.from.total_cmp(&b.from));
 }
 
-/// One of the fans of an end or a joint as the first wave of a load starts them that may lessen. Through a segment that stays elastic it is seen to come to a joint,
-/// and the fan follows it; elsewhere it has to stay as it is.
+/// Returns one of the `fans` of an end or joint as the first wave of a load starts it that may decay. If the wave comes to a joint through a segment
+/// that stays elastic, the fan can follow its changes; elsewhere the wave has to stay nearly constant.
 fn under_wave(fan: &InitialFan, fans: &[InitialFan], scene: &Scene) -> InitialFan {
     let c0 = |fan: &InitialFan| scene.bar.segments[fan.segment].material.c0();
     if fan.wave_through.is_none() || fan.waves_before > 0 {
@@ -127,16 +130,15 @@ fn under_wave(fan: &InitialFan, fans: &[InitialFan], scene: &Scene) -> InitialFa
     InitialFan { holds_until: fan.holds_until.min(steady), ..fan.clone() }
 }
 
-/// Part of its stress by which a wave that starts a fan may change meanwhile. The fan of steel under a striker had 19 % too much strain without, where it
-/// changes by 5 % over 6 cells.
+/// Largest relative change of the stress of the wave that starts a fan while the fan is followed. Steel under a striker had 19 % too much strain
+/// without the fan; its wave changes by 5 % over 6 cells.
 const STEADY: f64 = 0.05;
 
-/// The same as part of what it brings beyond yield. At a fixed end, where the stress falls by twice as much, the elongation of a plastic zone that ends where all of
-/// that is lost is too large by the
-/// square of twice this part: 4 %.
+/// Same relative to the part of the wave beyond yield. At a fixed end, where the stress falls by twice as much, the elongation of a plastic zone that
+/// ends where all of that part is lost is too large by the square of twice this value: 4 %.
 const STEADY_PLASTIC: f64 = 0.1;
 
-/// For how long the first waves of loads that have begun lose no more than a part of their stress, s.
+/// Time for which the first waves of loads that have begun lose at most the fraction `change` of their stress, s.
 fn steady_for(scene: &Scene, change: f64) -> f64 {
     let bar = &scene.bar;
     let last = bar.segments.len() - 1;
@@ -146,16 +148,16 @@ fn steady_for(scene: &Scene, change: f64) -> f64 {
     [(&scene.left, 0, 0), (&scene.right, last, 1)].into_iter().map(of_end).fold(f64::INFINITY, f64::min)
 }
 
-/// An end of the bar, in its segment.
+/// An end of the bar with its segment.
 struct LoadedEnd<'a> {
     at: &'a Segment,
     side: usize,
-    /// The bar has no initial stress and has not yielded.
+    /// Whether the bar has no initial stress and has not yielded.
     is_fresh: bool,
 }
 
 impl LoadedEnd<'_> {
-    /// For how long the first wave of its load loses no more than this part of its stress, s.
+    /// Time for which the first wave of the load at this end loses at most the fraction `change` of its stress, s.
     fn steady_under(&self, end: &EndCondition, change: f64) -> f64 {
         let at = self.at;
         let needed = |stress: f64, sense: Sense| (1.0 - change) * self.arrives(stress, sense);
@@ -186,18 +188,18 @@ impl LoadedEnd<'_> {
         }
     }
 
-    /// Stress (Pa) of the first wave of a load with this one. That of a load beyond yield has the yield stress: what unloads the bar is used up by the
-    /// plastic fronts behind it, as long as there are any.
+    /// Stress (Pa) of the first wave of a load with this stress (Pa). A load beyond yield sends the yield stress: as long as there are plastic fronts
+    /// behind that wave, they absorb the unloading.
     fn arrives(&self, stress: f64, sense: Sense) -> f64 {
         let yields = if self.is_fresh { super::yield_stress(&self.at.material, sense) } else { f64::INFINITY };
         stress.min(yields)
     }
 }
 
-/// By how much heavier a striker is that no bar slows down.
+/// Factor on the mass of a striker that makes it so heavy that the bar does not slow it down.
 const NEVER_SLOWED: f64 = 1e6;
 
-/// The scene, but that no load lessens; none where none does.
+/// Returns the scene with all loads held constant where they would decay; `None` if no load decays.
 fn holding(scene: &Scene) -> Option<Scene> {
     let (mut held, last) = (scene.clone(), scene.bar.segments.len() - 1);
     for (end, segment) in [(&mut held.parts.left, 0), (&mut held.parts.right, last)] {
@@ -214,7 +216,7 @@ fn holding(scene: &Scene) -> Option<Scene> {
     (changes(&scene.left, &held.left) || changes(&scene.right, &held.right)).then_some(held)
 }
 
-/// The scene, but that loads jump as they begin to rise within some steps of `dt`, s.
+/// Returns the scene with loads that jump at the start of every rise within [`MOST_STEPS`] steps of `dt`, s.
 fn jumping(scene: &Scene, dt: f64) -> Scene {
     let mut scene = scene.clone();
     for end in [&mut scene.parts.left, &mut scene.parts.right] {
@@ -225,7 +227,7 @@ fn jumping(scene: &Scene, dt: f64) -> Scene {
     scene
 }
 
-/// The rises within some time steps of the loads of the left and the right end: from and to when, s.
+/// Rises of the loads of the left and the right end within [`MOST_STEPS`] time steps: start and end times, s.
 struct Rises([Vec<[f64; 2]>; 2]);
 
 impl Rises {
@@ -234,7 +236,7 @@ impl Rises {
         Self([of_end(&scene.left), of_end(&scene.right)])
     }
 
-    /// When that one ends which begins at an end at this time, s.
+    /// Returns the end time (s) of the rise that begins at `time` (s) at this end; `None` for joints and if no rise begins then.
     fn until(&self, origin: Origin, time: f64) -> Option<f64> {
         let rises = match origin {
             Origin::Left => &self.0[0],
@@ -245,14 +247,14 @@ impl Rises {
     }
 }
 
-/// The `first` fans and those of the `later` ones, in order of time, that are as sharp on the grid.
+/// Returns the `first` fans and those of the `later` ones (given in order of time) that the grid can resolve as sharply.
 pub(super) fn with_later(
     mut first: Vec<InitialFan>,
     later: &[InitialFan],
     scene: &Scene,
     (grid, late): (&Grid, f64),
 ) -> Vec<InitialFan> {
-    // Where a load started without its fan the first cells are not in the state that front tracking gives them.
+    // Where a load has started without its fan, the first cells are not in the state that front tracking assumes for later fans.
     let mut missed = Vec::new();
     let rises = Rises::new(scene, grid.dt);
     for fans in later.chunk_by(together) {
@@ -275,11 +277,11 @@ pub(super) fn with_later(
         };
         let gone = |fan: &InitialFan| {
             let lasts = takes_shape(fan, scene, grid).min(fan.holds_until);
-            // The first value of a load that rises starts a part of its fan.
+            // The first value of a load that rises starts a fan that is part of the fan of the whole rise.
             fan.from + lasts <= fans[0].from * (1.0 + SAME_TIME) || rises_until.is_some() && fan.from == fans[0].from
         };
         if first.iter().filter(|fan| here(fan)).all(|fan| is_elastic(fan, &scene.bar) || gone(fan)) {
-            // Both sides of a joint have their fans from one moment.
+            // Both sides of a joint must have fans from the same time.
             first.retain(|fan| !here(fan) || fan.from != fans[0].from);
             first.extend(fans);
         }
@@ -287,8 +289,8 @@ pub(super) fn with_later(
     first
 }
 
-/// The `first` fans of a bar that front tracking cannot follow, and those of loads that rise from t = 0 on: until something unloads it, such a bar
-/// follows its curves as by any other rule.
+/// Returns the `first` fans of a bar that front tracking cannot follow, with those of loads that rise from t = 0 on. Until something unloads it, such
+/// a bar follows its curves as under isotropic hardening.
 pub(super) fn with_first_rises(first: Vec<InitialFan>, scene: &Scene, (grid, late): (&Grid, f64)) -> Vec<InitialFan> {
     let rises = Rises::new(scene, grid.dt);
     if !is_uniform(scene) || scene.bar.has_initial_state() || rises.0.iter().all(Vec::is_empty) {
@@ -301,7 +303,8 @@ pub(super) fn with_first_rises(first: Vec<InitialFan>, scene: &Scene, (grid, lat
     with_later(first, &fans, &stepped, (grid, late))
 }
 
-/// The `first` fans of a bar that is not uniform, and the later ones, as long as nothing comes to them from where a section or an initial state changes.
+/// Returns the `first` and later fans of a non-uniform bar, limited to the time in which no wave reaches them from where a section or an initial
+/// state changes.
 pub(super) fn until_changes_come(first: Vec<InitialFan>, scene: &Scene, (grid, late): (&Grid, f64)) -> Vec<InitialFan> {
     let first = if scene.bar.has_initial_state() { at_ends_of_segments(scene, grid.dt) } else { first };
     let stepped = super::as_stepped(scene, grid);
@@ -315,7 +318,7 @@ pub(super) fn until_changes_come(first: Vec<InitialFan>, scene: &Scene, (grid, l
     let started = |origin: Origin| first.iter().any(|fan| fan.origin == origin);
     let missed: Vec<Origin> = at_start.iter().map(|fan| fan.origin).filter(|&origin| !started(origin)).collect();
     let known = later.into_iter().filter(|fan| !missed.contains(&fan.origin)).filter_map(|fan| {
-        // What comes from there meets its first front half-way.
+        // A wave from there meets the first front of the fan half-way.
         let holds_until = fan.holds_until.min(0.5 * (undisturbed[place(fan.origin, &stepped.bar)] - fan.from));
         let lasts = holds_until >= takes_shape(&fan, &stepped, grid);
         lasts.then_some(InitialFan { holds_until, ..fan })
@@ -323,8 +326,8 @@ pub(super) fn until_changes_come(first: Vec<InitialFan>, scene: &Scene, (grid, l
     with_later(first, &known.collect::<Vec<_>>(), &stepped, (grid, late))
 }
 
-/// When the first wave can come to each end and joint, from the left, s, from where a section or an initial state changes. Between halves of a
-/// segment that is not uniform, nothing is known of the middle.
+/// Time (s) at which the first wave from a change of section or initial state can reach each end and joint, from left to right. Between the halves of
+/// a non-uniform segment nothing is known about the middle.
 fn undisturbed_until(bar: &Bar) -> Vec<f64> {
     let transits = bar.transit_times();
     let mut times = vec![f64::INFINITY; bar.segments.len() + 1];
@@ -344,7 +347,7 @@ fn undisturbed_until(bar: &Bar) -> Vec<f64> {
     times
 }
 
-/// Number of an end or a joint, from the left.
+/// Index of an end or joint, counted from the left.
 fn place(origin: Origin, bar: &Bar) -> usize {
     match origin {
         Origin::Left => 0,
@@ -353,10 +356,10 @@ fn place(origin: Origin, bar: &Bar) -> usize {
     }
 }
 
-/// Those with which ends and joints of a bar with an initial state start, whatever the bar is like further in.
+/// Returns the fans at t = 0 of a bar with an initial state, whatever its state is farther inside.
 fn at_ends_of_segments(scene: &Scene, dt: f64) -> Vec<InitialFan> {
     let halves = in_halves(scene);
-    // None of the waves from the middles of segments has come anywhere yet.
+    // Up to this time no wave from the middle of a segment has reached an end or joint.
     let shortest = halves.bar.transit_times().into_iter().fold(f64::INFINITY, f64::min);
     let mut fans = tracked(&halves, dt, HARDLY_STARTED * shortest);
     let rises = Rises::new(scene, dt);
@@ -365,11 +368,11 @@ fn at_ends_of_segments(scene: &Scene, dt: f64) -> Vec<InitialFan> {
     of_one.filter_map(|fans| in_whole_segments(&at_start(fans, &halves)?, &scene.bar)).flatten().collect()
 }
 
-/// Part of the stress behind a fan by which forces along the bar may change it while it is followed.
+/// Largest relative change of the stress behind a fan by distributed forces while the fan is followed.
 const HARDLY_CHANGED: f64 = 0.02;
 
-/// The fans at t = 0 of a bar along which something acts, while that hardly changes them. None with internal damping or lateral inertia: waves that
-/// jump disperse at once there.
+/// Returns the fans at t = 0 of a bar with distributed forces, limited to the time in which these hardly change them. Returns none with internal
+/// damping or lateral inertia, which disperse jumps at once.
 pub(super) fn beside_forces(scene: &Scene, grid: &Grid, along: &DistributedForces) -> Vec<InitialFan> {
     if along.internal > 0.0 || along.lateral.iter().any(|&lateral| lateral > 0.0) {
         return Vec::new();
@@ -381,7 +384,7 @@ pub(super) fn beside_forces(scene: &Scene, grid: &Grid, along: &DistributedForce
         let (c0, [stress, _]) = (segment.material.c0(), fan.changes());
         let area = segment.end_areas()[usize::from(fan.direction < 0.0)];
         let velocity = fan.fan.velocity.abs().max(fan.velocity_ahead.abs());
-        // Forces per length (N/m) that act on what an elastic wave has passed: at once, and as it is displaced.
+        // Forces per length (N/m) behind an elastic wave: those that act at once, and those that grow with the displacement.
         let at_once = along.external * velocity + along.friction;
         let allowed = HARDLY_CHANGED * stress * area / c0;
         let displaced = along.foundation * velocity;
@@ -391,7 +394,7 @@ pub(super) fn beside_forces(scene: &Scene, grid: &Grid, along: &DistributedForce
     fans
 }
 
-/// The waves of balls at t = 0.
+/// Returns the waves of balls at t = 0.
 pub(super) fn at_balls(scene: &Scene, grid: &Grid) -> Vec<InitialFan> {
     if !super::follows_curves(scene) {
         return Vec::new();
@@ -399,7 +402,7 @@ pub(super) fn at_balls(scene: &Scene, grid: &Grid) -> Vec<InitialFan> {
     ball_waves(&scene.bar, [&scene.left, &scene.right], MOST_STEPS * grid.dt, grid.dt)
 }
 
-/// The waves of stiff springs: those of a bar that moves against one at t = 0, and those that the first wave of a bar at rest brings about.
+/// Returns the waves of stiff springs: of a bar that moves against a spring at t = 0, and those that the first wave causes in a bar at rest.
 pub(super) fn at_springs(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let ends = [&scene.left, &scene.right];
     if !super::follows_curves(scene) || !ends.iter().any(|end| matches!(end, EndCondition::Spring { .. })) {
@@ -412,10 +415,10 @@ pub(super) fn at_springs(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFa
     waves
 }
 
-/// Part of the stress of a wave by which it may differ from one that comes to a place at rest.
+/// Largest relative difference of a wave's stress from that of a wave into a bar at rest that is attributed to rounding.
 const FIRST: f64 = 1e-9;
 
-/// The waves of springs that the first wave brings about: a wall would send the same fronts, but for the first.
+/// Returns the waves of springs that the first wave causes. A fixed end would send the same fronts, except for the first.
 fn when_waves_arrive(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     let mut held = super::as_stepped(scene, grid);
     for end in [&mut held.parts.left, &mut held.parts.right] {
@@ -433,7 +436,7 @@ fn when_waves_arrive(scene: &Scene, grid: &Grid, late: f64) -> Vec<InitialFan> {
     tracked(&held, grid.dt, scene.solve.until).iter().filter_map(wave).collect()
 }
 
-/// The fans of an end or a joint of halves in the segments of the bar; none of one between the halves of a segment.
+/// Returns the fans of an end or joint of the halved bar in terms of whole segments; `None` for the joint between two halves of a segment.
 fn in_whole_segments(fans: &[InitialFan], bar: &Bar) -> Option<Vec<InitialFan>> {
     let origin = match fans[0].origin {
         Origin::Joint(k) if k % 2 == 0 => return None,
@@ -453,7 +456,7 @@ fn in_whole_segments(fans: &[InitialFan], bar: &Bar) -> Option<Vec<InitialFan>> 
     Some(fans.iter().map(whole).collect())
 }
 
-/// Each segment as two uniform ones: as it is at its left end, and as at its right end.
+/// Returns the scene with each segment replaced by two uniform halves: one in the state at its left end, one in that at its right end.
 fn in_halves(scene: &Scene) -> Scene {
     let half = |segment: &Segment, side: usize| {
         let x = [0.0, segment.length][side];
@@ -472,12 +475,12 @@ fn in_halves(scene: &Scene) -> Scene {
     let mut halves = scene.clone();
     halves.parts.bar.segments =
         scene.bar.segments.iter().flat_map(|segment| [half(segment, 0), half(segment, 1)]).collect();
-    // Nothing has broken yet.
+    // At t = 0 nothing has fractured.
     halves.parts.effects.rupture = None;
     halves
 }
 
-/// Those with which an end or a joint of a bar with an initial state starts.
+/// Returns the fans with which an end or joint of a bar with an initial state starts; `None` if the end drives nothing at t = 0.
 fn at_start(fans: &[InitialFan], scene: &Scene) -> Option<Vec<InitialFan>> {
     let fan = &fans[0];
     let Some(end) = end_at(scene, fan.origin) else {
@@ -488,15 +491,15 @@ fn at_start(fans: &[InitialFan], scene: &Scene) -> Option<Vec<InitialFan>> {
     (holds_until > 0.0).then(|| vec![driven(fan, driver, holds_until).held_by(end, at, 0.0)])
 }
 
-/// Waves may come to meet it as soon as they can.
+/// Returns the fan with this driver, and not alone: other waves may come to meet it at any time.
 fn driven(fan: &InitialFan, driver: Driver, holds_until: f64) -> InitialFan {
     InitialFan { driver, holds_until, alone: false, ..fan.clone() }
 }
 
-/// That of a load which rises until a time, s.
+/// Returns the fan of a load that rises until `until` (s); `None` if it has none.
 fn rising(fans: &[InitialFan], until: f64, scene: &Scene, grid: &Grid, late: f64) -> Option<Vec<InitialFan>> {
     let jump = after_start(fans, &jumping(scene, grid.dt), grid, late)?.pop()?;
-    // Along the curve a bar is unloaded by shocks.
+    // A bar that follows its curve both ways unloads by shocks.
     let unloads_first = jump.sense.sign() * jump.stress_ahead() < 0.0;
     if unloads_first && super::is_followed_both_ways(&scene.effects) {
         return None;
@@ -506,7 +509,7 @@ fn rising(fans: &[InitialFan], until: f64, scene: &Scene, grid: &Grid, late: f64
     at_rising_load(&jump, end, curve, until, grid.dt).map(|fan| vec![fan])
 }
 
-/// Those that start later, on this grid.
+/// Returns the fans that start after t = 0, with times as this grid can resolve them; `None` if it cannot.
 fn after_start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Option<Vec<InitialFan>> {
     let from = start(fans, scene, grid, late)?;
     let driver = drives_alone(scene, fans[0].origin)?;
@@ -535,16 +538,16 @@ fn at_first_moment(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -
     fans.iter().map(short).collect()
 }
 
-/// Cells over which grids spread a plastic front.
+/// Number of cells over which grids spread a plastic front.
 const SPREAD: f64 = 7.0;
 
-/// Time (s) from when a plastic front of a fan touches one that comes towards it to when they meet.
+/// Time (s) between the first contact of a fan's plastic front, as spread on the grid, with one that comes towards it and their exact meeting.
 fn spread(fan: &InitialFan, grid: &Grid) -> f64 {
     let slowest = fan.fan.edges.last().map_or(f64::INFINITY, |edge| edge.speed);
     0.5 * SPREAD * grid.segments[fan.segment].dx / slowest
 }
 
-/// Front tracking follows the laws of this scene exactly.
+/// Returns whether front tracking follows the laws of this scene exactly.
 pub(super) fn can_be_tracked(scene: &Scene) -> bool {
     let several_lines = |segment: &Segment| {
         let table = |sense| Table::new(segment.material.branch(sense), segment.material.modulus);
@@ -558,7 +561,7 @@ pub(super) fn can_be_tracked(scene: &Scene) -> bool {
     }
 }
 
-/// It needs no steps in space of its own for them.
+/// Returns whether front tracking needs no steps in space for this scene.
 pub(super) fn is_uniform(scene: &Scene) -> bool {
     scene.bar.segments.iter().all(|segment| segment.taper.is_none() && segment.profile.is_none())
 }
@@ -568,8 +571,8 @@ fn is_elastic(fan: &InitialFan, bar: &Bar) -> bool {
     fan.fan.edges.iter().all(|edge| edge.is_elastic(c0))
 }
 
-/// When the fans of an end or a joint start, s. None where the grid does not have what starts them as sharply: a wave that is a jump between two
-/// cells, as it is where waves travel a cell in a step, or a gap between bodies to which only such waves have come.
+/// Start time of the fans of an end or joint on the grid, s. `None` if the grid does not resolve their cause sharply enough: the cause must be a wave
+/// that is a jump between two cells (which requires that waves travel one cell per step), or a gap to which only such waves have come.
 fn start(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -> Option<f64> {
     let steps = fans[0].from / grid.dt;
     if let Some(through) = fans[0].wave_through {
@@ -594,27 +597,27 @@ fn stays_sharp(fan: &InitialFan, segment: usize, scene: &Scene, grid: &Grid, lat
     fan.from / grid.dt * (1.0 - courant) < late
 }
 
-/// Part of a time within which it is that of a jump.
+/// Relative tolerance for a time to count as that of a jump.
 const SAME_TIME: f64 = 1e-12;
 
-/// The velocity or the stress that an end imposes jumps at this time, s.
+/// Returns whether the velocity or stress that an end prescribes jumps at `time`, s.
 fn jumps(scene: &Scene, origin: Origin, time: f64) -> bool {
     let history = end_at(scene, origin).and_then(EndCondition::history);
     history.is_some_and(|history| history.jumps_between(time * (1.0 - SAME_TIME), time * (1.0 + SAME_TIME)))
 }
 
-/// It is a step in which front tracking follows an end that moves ever faster, or slower.
+/// Returns whether the fan is a step by which front tracking follows an end whose velocity or stress changes gradually.
 fn is_ramp(scene: &Scene, fan: &InitialFan) -> bool {
     let driven = end_at(scene, fan.origin).is_some_and(|end| end.history().is_some());
     driven && fan.wave_through.is_none() && !jumps(scene, fan.origin, fan.from)
 }
 
-/// It is a joint, or an end that a wall may stop.
+/// Returns whether the origin is a joint, or an end that a wall may stop.
 fn can_close(scene: &Scene, origin: Origin) -> bool {
     end_at(scene, origin).is_none_or(|end| matches!(end, EndCondition::Wall { .. }))
 }
 
-/// What holds or drives an end; none of a joint.
+/// Returns the end condition of an end; `None` for a joint.
 fn end_at(scene: &Scene, origin: Origin) -> Option<&EndCondition> {
     match origin {
         Origin::Left => Some(&scene.left),
@@ -623,12 +626,12 @@ fn end_at(scene: &Scene, origin: Origin) -> Option<&EndCondition> {
     }
 }
 
-/// Steps, rounded to parts of one.
+/// Rounds a number of steps to the resolution [`TIMES_IN_STEP`].
 fn in_parts(steps: f64) -> f64 {
     (steps * TIMES_IN_STEP).round() / TIMES_IN_STEP
 }
 
-/// Nothing meets a fan for a time, in which its fronts take the shape that they have on the grid.
+/// Returns whether nothing meets a fan before its fronts have taken the shape that they have on the grid.
 fn has_room(fan: &InitialFan, scene: &Scene, grid: &Grid) -> bool {
     fan.known_until(scene.bar.segments[fan.segment].length) >= takes_shape(fan, scene, grid)
 }
@@ -639,14 +642,15 @@ fn takes_shape(fan: &InitialFan, scene: &Scene, grid: &Grid) -> f64 {
     SHAPED * fan.followed_for(grid.segments[fan.segment].dx, c0)
 }
 
-/// A fan for as long as what drives it holds.
+/// Returns the fan limited to the time for which its driver holds.
 fn held(fan: &InitialFan, scene: &Scene) -> InitialFan {
     let at = &scene.bar.segments[fan.segment];
     let held = |end| fan.clone().held_by(end, at, fan.from * (1.0 + SAME_TIME));
     end_at(scene, fan.origin).map_or_else(|| fan.clone(), held)
 }
 
-/// What of an end stays as it is when waves come, which is that of a joint; none where both its velocity and its stress change.
+/// Returns the quantity that arriving waves leave unchanged: the stress or the velocity of an end, the common velocity of a joint. `None` if both
+/// change.
 fn drives_alone(scene: &Scene, origin: Origin) -> Option<Driver> {
     match end_at(scene, origin) {
         Some(EndCondition::Stress { .. }) => Some(Driver::Stress),

@@ -1,5 +1,6 @@
-//! The wave that a ball sends into a bar that yields. Until another wave comes to that end it moves with the velocity v(F) as behind any wave of
-//! loading: force and wave follow from the ball and the curve alone, up to the largest force as those of a stress whose course is known.
+//! Wave emitted by a ball into a bar that yields. Until another wave arrives, the end moves with the velocity v(F) that follows from the curve, as
+//! behind any loading wave. Force and wave thus depend on the ball and the curve alone. Up to the largest force, the wave is that of a prescribed
+//! stress.
 
 use super::ends::{self, EndModel, Face, Push, Response, Step};
 use super::initial_fan::{at_ends, from_end};
@@ -7,14 +8,14 @@ use super::{Bar, EndCondition, History, InitialFan, Origin, Segment, at_rising_l
 use crate::material::{Curve, Sense};
 use crate::wave::similarity::{Edge, fan_at_stress};
 
-/// Steps in the time of a contact with an elastic bar.
+/// Number of steps within the contact time on an elastic bar.
 const STEPS: f64 = 2000.0;
 
-/// Steps in which the force rises or falls at most.
+/// Largest number of steps in which the force rises, and in which it falls.
 const MOST_STEPS: usize = 40_000;
 
-/// The waves of balls at the ends of a bar at t = 0 that make it yield, with a force that rises within `longest` (s), in steps of `dt` (s); none in a
-/// bar with an initial state.
+/// Returns the waves emitted at t = 0 by balls at the ends of a bar that yields under them, for forces that rise within `longest` (s), in steps of
+/// `dt` (s). Empty for a bar with an initial state.
 pub fn ball_waves(bar: &Bar, ends: [&EndCondition; 2], longest: f64, dt: f64) -> Vec<InitialFan> {
     at_ends(bar, ends, |end, place, at| ball_wave(end, place, at, [longest, dt]))
 }
@@ -34,7 +35,7 @@ fn ball_wave(
         return None;
     }
     let curve = at.material.branch(Sense::Compression);
-    // An elastic bar meets the ball with the largest force.
+    // The largest force occurs for an elastic bar.
     let most = contact.most_force(mass, closing, face.impedance);
     let edges = fan_at_stress(curve, density, most / area).edges;
     let (elastic, plastic) = edges.split_at(edges.partition_point(|edge| edge.is_elastic(c0)));
@@ -60,20 +61,21 @@ fn ball_wave(
     is_known.then(|| at_rising_load(&jump, &end, curve, until, dt)).flatten()
 }
 
-/// A ball against an end to which no wave comes.
+/// Impact of a ball on an end that no wave reaches.
 struct Impact {
     ball: Box<dyn EndModel>,
     face: Face,
-    /// Of its steps, s.
+    /// Time step, s.
     dt: f64,
-    /// Of the end after the latest step, m/s, into the bar.
+    /// Velocity of the end after the latest step, m/s, into the bar.
     velocity: f64,
-    /// The stress of the end so far, rows of a history.
+    /// Stress of the end so far, as rows of a history.
     course: Vec<(f64, f64)>,
 }
 
 impl Impact {
-    /// Up to the largest force, as these edges of the curve carry it. None where one of them is a shock, or they do not carry it.
+    /// Computes the impact up to the largest force, with the response given by these edges of the curve. Returns `None` if one of them is a shock, or
+    /// if they end below the largest force.
     fn rise(&mut self, edges: &[Edge], curve: &Curve) -> Option<()> {
         let mut ahead = self.velocity;
         let mut steps = 0;
@@ -103,7 +105,7 @@ impl Impact {
         None
     }
 
-    /// From there on, where the end answers with this impedance, N s/m.
+    /// Computes the impact from there on, with an end of this impedance, N s/m.
     fn fall(&mut self, impedance: f64) {
         let bar = Response { force: self.latest_force() - impedance * self.velocity, impedance };
         for _ in 0..MOST_STEPS {
@@ -115,22 +117,22 @@ impl Impact {
         }
     }
 
-    /// Time (s) and stress (Pa) of the latest step.
+    /// Returns time (s) and stress (Pa) of the latest step.
     fn latest(&self) -> (f64, f64) {
         self.course[self.course.len() - 1]
     }
 
-    /// N.
+    /// Returns the force of the latest step, N, compression positive.
     fn latest_force(&self) -> f64 {
         -self.face.area * self.latest().1
     }
 
     fn step(&self) -> Step {
-        // Neither matters to a ball.
+        // A ball uses neither time nor displacement.
         Step { time: 0.0, dt: self.dt, displacement: 0.0 }
     }
 
-    /// What a step gives a bar that answers like this.
+    /// Returns the push of a step against a bar with this response.
     fn push(&self, bar: &Response) -> Push {
         let [force, velocity] = self.ball.relation(&self.step(), bar).solve_with(bar);
         Push { force, velocity, impulse: force * self.dt }

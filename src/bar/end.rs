@@ -4,30 +4,30 @@ use std::borrow::Cow;
 
 use super::{Hertz, History};
 
-/// The condition at one end. Velocities are positive in +x at both ends; stresses are tension positive.
+/// Boundary condition at one end. Velocities are positive in +x at both ends; stresses are tension positive.
 #[derive(Debug, Clone)]
 pub enum EndCondition {
     /// The end moves with this velocity, m/s. From `release` on (s) it is free.
     Velocity {
-        /// Velocity against time.
+        /// Velocity as a function of time, m/s.
         history: History,
-        /// Time at which the end is released.
+        /// Time at which the end is released, s; `None` if it never is.
         release: Option<f64>,
     },
     /// The end carries this stress, Pa.
     Stress {
-        /// Stress against time.
+        /// Stress as a function of time, Pa.
         history: History,
     },
-    /// No stress.
+    /// A free end, without stress.
     Free,
-    /// No motion.
+    /// A fixed end, without motion.
     Fixed,
-    /// Elastic waves leave without reflection, as in an infinite elastic bar of the same section.
+    /// Elastic waves leave without reflection, as in an infinite elastic bar of the same cross-section.
     Absorbing,
-    /// A linear dashpot to the ground: the bar's end gets the force -c v.
+    /// A linear dashpot to the ground: the force on the end of the bar is -c v.
     Dashpot {
-        /// c, N s/m, >= 0, on the section's whole area.
+        /// c, N s/m, >= 0, for the whole area of the section.
         coefficient: f64,
     },
     /// A rigid wall that can push but not pull; `gap` is the initial distance to it, m, >= 0.
@@ -35,33 +35,33 @@ pub enum EndCondition {
         /// Initial distance, m.
         gap: f64,
     },
-    /// A rigid mass that touches the end at the start. It pushes; where it would have to pull it flies on by itself, and
+    /// A rigid mass that touches the end at t = 0. It can push but not pull: it separates instead, moves freely, and
     /// may strike again.
     Striker {
-        /// kg, > 0, on the section's whole area.
+        /// Mass, kg, > 0, for the whole area of the section.
         mass: f64,
-        /// Velocity at the start, m/s, positive in +x.
+        /// Velocity at t = 0, m/s, positive in +x.
         velocity: f64,
     },
-    /// A ball that touches the end at the start. It pushes by Hertz's contact, on the section's whole area; where they part
-    /// it flies on by itself, and may strike again.
+    /// A ball that touches the end at t = 0. It pushes by Hertz contact, on the whole area of the section. After separation
+    /// it moves freely, and may strike again.
     Ball {
-        /// kg, > 0.
+        /// Mass, kg, > 0.
         mass: f64,
-        /// Velocity at the start, m/s, positive in +x.
+        /// Velocity at t = 0, m/s, positive in +x.
         velocity: f64,
-        /// The contact.
+        /// Contact law.
         contact: Hertz,
     },
-    /// A linear spring to the ground, without force at the start: the bar's end gets the force -k u.
+    /// A linear spring to the ground, without force at t = 0: the force on the end of the bar is -k u.
     Spring {
-        /// k, N/m, > 0, on the section's whole area.
+        /// k, N/m, > 0, for the whole area of the section.
         stiffness: f64,
     },
 }
 
 impl EndCondition {
-    /// The velocity (m/s) or stress (Pa) that the end imposes; none of other ends.
+    /// Returns the velocity (m/s) or stress (Pa) that the end imposes; `None` for ends that impose neither.
     pub fn history(&self) -> Option<&History> {
         match self {
             Self::Velocity { history, .. } | Self::Stress { history } => Some(history),
@@ -69,7 +69,7 @@ impl EndCondition {
         }
     }
 
-    /// The end with what it imposes before a time (s) and before its release.
+    /// Returns the end with its history truncated at time `end` (s), or at its release if that is earlier.
     #[must_use]
     pub fn until(&self, end: f64) -> Cow<'_, Self> {
         let cut = match self {
@@ -82,7 +82,7 @@ impl EndCondition {
         cut.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
-    /// It can send a jump into a bar that rests: one that it imposes at some time, that of a release, or of a body or wall that is struck.
+    /// Returns true if the end can send a jump into a bar at rest: by a jump of its history, by a release, or by a striker or wall.
     pub fn is_sudden(&self) -> bool {
         match self {
             Self::Velocity { history, release } => release.is_some() || !history.is_continuous(),

@@ -1,46 +1,47 @@
 //! Hertz contact of a ball with a flat end: the force as a function of the approach.
 
-/// The contact of a ball with a flat end: F = K a^(3/2) at the approach a > 0, K = 4/3 E* sqrt(R), and no pull.
+/// Contact of a ball with a flat end: F = K a^(3/2) at the approach a > 0, K = 4/3 E* sqrt(R); no tension.
 ///
-/// Elastic bodies, frictionless, contact small against the ball. K. L. Johnson, Contact Mechanics (1985), section 4.2.
+/// Valid for elastic bodies without friction and a contact area that is small compared with the ball. K. L. Johnson, Contact Mechanics (1985),
+/// section 4.2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hertz {
-    /// R, m, > 0.
+    /// Radius R of the ball, m, > 0.
     pub radius: f64,
-    /// E*, Pa, > 0: 1/E* is the sum of (1 - nu^2)/E over both bodies.
+    /// Contact modulus E*, Pa, > 0: 1/E* is the sum of (1 - nu^2)/E over both bodies.
     pub modulus: f64,
 }
 
 impl Hertz {
-    /// For a ball of `radius` (m); `sides` are modulus (Pa, infinite where rigid) and Poisson's ratio of ball and flat.
+    /// Returns the contact of a ball of `radius` (m). `sides` are the modulus (Pa, infinite if rigid) and Poisson's ratio of ball and flat.
     pub fn new(radius: f64, sides: [(f64, f64); 2]) -> Self {
         let compliance: f64 = sides.iter().map(|(modulus, poisson)| (1.0 - poisson * poisson) / modulus).sum();
         Self { radius, modulus: 1.0 / compliance }
     }
 
-    /// K, N/m^(3/2).
+    /// Returns K, N/m^(3/2).
     pub fn stiffness(&self) -> f64 {
         4.0 / 3.0 * self.modulus * self.radius.sqrt()
     }
 
-    /// Force at an approach (m), N, >= 0.
+    /// Returns the force at an approach (m), N, >= 0.
     pub fn force(&self, approach: f64) -> f64 {
         let a = approach.max(0.0);
         self.stiffness() * a * a.sqrt()
     }
 
-    /// Approach under a force (N), m; 0 where there is none.
+    /// Returns the approach under a force (N), m; 0 for a force <= 0.
     pub fn approach(&self, force: f64) -> f64 {
         (force.max(0.0) / self.stiffness()).powf(2.0 / 3.0)
     }
 
-    /// Energy stored at an approach (m), J: 2/5 K a^(5/2).
+    /// Returns the energy stored at an approach (m), J: 2/5 K a^(5/2).
     pub fn energy(&self, approach: f64) -> f64 {
         0.4 * self.force(approach) * approach.max(0.0)
     }
 
-    /// Mean of the force over the approaches between two (m), N: the difference of the energies over that of the
-    /// approaches. A step that uses it stores just the energy that it takes.
+    /// Returns the mean of the force over the approaches between two (m), N: the difference of the energies divided by that of the
+    /// approaches. A step that uses it stores exactly the work done.
     pub fn mean_force(&self, from: f64, to: f64) -> f64 {
         let (low, high) = (from.min(to), from.max(to));
         if high <= 0.0 {
@@ -49,16 +50,16 @@ impl Hertz {
         if low <= 0.0 {
             return self.energy(high) / (high - low);
         }
-        // (q^5 - p^5)/(q^2 - p^2) with the common factor q - p taken out, which is all rounding where the two are close.
+        // (q^5 - p^5)/(q^2 - p^2) with the common factor q - p cancelled, which would consist of rounding for close values.
         let (p, q) = (low.sqrt(), high.sqrt());
         let sum = high * high + high * q * p + high * low + q * p * low + low * low;
         0.4 * self.stiffness() * sum / (p + q)
     }
 
-    /// The approach in a step from `from` (m) that would end at `free` (m) without a force and gives way to it by
-    /// `compliance` (m/N, > 0): the only root of a = free - compliance * `mean_force(from, a)`. Returns that mean force, N.
+    /// Solves a step that starts at the approach `from` (m), would end at `free` (m) without a force, and is reduced by
+    /// `compliance` (m/N, > 0) times the force: the only root of a = free - compliance * `mean_force(from, a)`. Returns that mean force, N.
     ///
-    /// The mean force never falls with a and is convex, so that Newton's method comes down to the root from `free`; the
+    /// The mean force never falls with a and is convex, so that Newton's method converges monotonically from `free` down to the root; the
     /// last steps are rounding.
     pub fn solve(&self, from: f64, free: f64, compliance: f64) -> f64 {
         let mut approach = free;
@@ -74,7 +75,7 @@ impl Hertz {
         self.mean_force(from, approach)
     }
 
-    /// Derivative of [`Hertz::mean_force`] by `to`, N/m: (force - mean)/(to - from).
+    /// Returns the derivative of [`Hertz::mean_force`] with respect to `to`, N/m: (force - mean)/(to - from).
     pub fn slope(&self, from: f64, to: f64, mean: f64) -> f64 {
         let width = to - from;
         if width.abs() < 1e-5 * to.abs() {
@@ -83,22 +84,23 @@ impl Hertz {
         (self.force(to) - mean) / width
     }
 
-    /// Largest approach in the impact of a free body of `mass` (kg) at `velocity` (m/s) on a fixed flat, m.
+    /// Returns the largest approach in the impact of a free body of `mass` (kg) at `velocity` (m/s) on a fixed flat, m.
     pub fn largest_approach(&self, mass: f64, velocity: f64) -> f64 {
         (1.25 * mass * velocity * velocity / self.stiffness()).powf(0.4)
     }
 
-    /// Time for which that body touches the flat, s: 2.943275 times the largest approach over the velocity.
+    /// Returns the contact time of such an impact, s: 2.943275 times the largest approach over the velocity.
     pub fn contact_time(&self, mass: f64, velocity: f64) -> f64 {
         CONTACT_TIME * self.largest_approach(mass, velocity) / velocity.abs()
     }
 
-    /// Bound of the force that it gives the end of a long bar of this `impedance`, N s/m: no more than on a fixed flat, or than stops it at once.
+    /// Returns an upper bound of the force on the end of a long bar of this `impedance` (N s/m), N: the smaller of the force on a fixed flat and the
+    /// force that stops the body at once.
     pub fn most_force(&self, mass: f64, velocity: f64, impedance: f64) -> f64 {
         self.force(self.largest_approach(mass, velocity)).min(impedance * velocity.abs())
     }
 
-    /// Time in which that force rises and falls, s; in proportion as on a fixed flat.
+    /// Returns the time in which a contact force with this maximum rises and falls, s, by the ratio of approach to time on a fixed flat.
     pub fn time_under(&self, force: f64, velocity: f64) -> f64 {
         CONTACT_TIME * self.approach(force) / velocity.abs()
     }
@@ -133,7 +135,7 @@ mod tests {
             for (from, free) in [(0.0, 1e-6), (-1e-6, 4e-6), (5e-6, 3e-6), (3e-6, 3e-6), (1e-5, -2e-5)] {
                 let force = STEEL.solve(from, free, compliance);
                 let approach = free - compliance * force;
-                // What the approach misses by its own rounding, and by the force's on this compliance.
+                // Error of the approach by its own rounding, and by that of the force times the compliance.
                 let rounding = 1e-14 * (compliance * force + free.abs() + f64::abs(from));
                 let root = STEEL.mean_force(from, approach + rounding) * compliance - (compliance * force);
                 let below = STEEL.mean_force(from, approach - rounding) * compliance - (compliance * force);

@@ -1,19 +1,19 @@
-//! A quantity given at points in time: linear between rows; a repeated time is a jump; the last value is held.
+//! A quantity as a function of time: linear between rows; a repeated time is a jump; the last value is held.
 
 use super::RowError;
 
-/// Change that counts as a rise, as part of the largest magnitude; and how many there may be: a noisy record has many.
+/// Smallest change that counts as a rise, relative to the largest magnitude; and largest number of rises: a noisy record has many.
 const STEEP: f64 = 0.1;
 const MOST_STEEP: usize = 8;
 
-/// A checked history. Before its first row, and before t = 0, it is zero.
+/// A validated history. Before its first row, and before t = 0, the value is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     time: Vec<f64>,
     value: Vec<f64>,
 }
 
-/// What can be wrong with a row of a history, or of a table over x.
+/// Fault of a row of a history, or of a table over x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RowFault {
     /// There is no row.
@@ -29,7 +29,7 @@ pub(super) enum RowFault {
 }
 
 impl RowFault {
-    /// In words, after "row 3", for rows over time.
+    /// Returns the fault of a row over time in words that follow "row 3".
     fn over_time(self) -> &'static str {
         match self {
             Self::None => "a history needs at least one row",
@@ -40,7 +40,7 @@ impl RowFault {
         }
     }
 
-    /// Likewise for rows over x.
+    /// Returns the fault of a row over x in words that follow "row 3".
     pub(super) fn over_x(self) -> &'static str {
         match self {
             Self::None => "a table over x needs at least one row",
@@ -53,21 +53,21 @@ impl RowFault {
 }
 
 impl History {
-    /// A value that holds from t = 0 on.
+    /// Returns a history with a constant value from t = 0 on.
     pub fn constant(value: f64) -> Self {
         Self { time: vec![0.0], value: vec![value] }
     }
 
-    /// From rows (time in s, value): at least one, finite, times >= 0 and never decreasing, and at most two
-    /// rows with one time (the first is the value before the jump, the second after it).
+    /// Builds a history from rows (time in s, value): at least one, all finite, times >= 0 and never decreasing, and at most two
+    /// rows with the same time (the first is the value before the jump, the second after it).
     ///
     /// # Errors
-    /// The first row that breaks a rule, and which rule.
+    /// Returns the first row that violates a rule, and the rule.
     pub fn new(rows: &[(f64, f64)]) -> Result<Self, RowError> {
         Self::of_rows(rows).map_err(|(row, fault)| RowError { row, rule: fault.over_time() })
     }
 
-    /// The same, with the fault of a row.
+    /// Builds a history as [`Self::new`] does; returns the row and its fault if there is an error.
     pub(super) fn of_rows(rows: &[(f64, f64)]) -> Result<Self, (Option<usize>, RowFault)> {
         if rows.is_empty() {
             return Err((None, RowFault::None));
@@ -89,13 +89,13 @@ impl History {
         Ok(Self { time: rows.iter().map(|r| r.0).collect(), value: rows.iter().map(|r| r.1).collect() })
     }
 
-    /// The same with every value times `factor`.
+    /// Returns the history with every value multiplied by `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self { time: self.time.clone(), value: self.value.iter().map(|v| factor * v).collect() }
     }
 
-    /// The same with every value below `low` replaced by `low`, and then above `high` by `high`; a limit that is NaN limits nothing.
+    /// Returns the history with every value below `low` replaced by `low`, and then every value above `high` by `high`; a NaN limit has no effect.
     #[must_use]
     pub fn within(&self, [low, high]: [f64; 2]) -> Self {
         let (mut time, mut value) = (Vec::with_capacity(self.time.len()), Vec::with_capacity(self.time.len()));
@@ -115,8 +115,8 @@ impl History {
         Self { time, value }
     }
 
-    /// Where its magnitude rises without a pause, and within at most `longest` (s), by a tenth of the largest or more: from and to when, s.
-    /// None of more than eight: a noisy record has many.
+    /// Returns the intervals (start and end, s) in which the magnitude rises without interruption, within at most `longest` (s), by more than a tenth
+    /// of the largest magnitude. Empty if there are more than eight: a noisy record has many.
     pub fn rises(&self, longest: f64) -> Vec<[f64; 2]> {
         let (time, value, least) = (&self.time, &self.value, STEEP * self.extreme().abs());
         let change = |k: usize| value[k + 1] - value[k];
@@ -133,7 +133,7 @@ impl History {
         if rises.len() > MOST_STEEP { Vec::new() } else { rises }
     }
 
-    /// The same, but that it jumps as each of these [`Self::rises`] begins.
+    /// Returns the history with each of these [`Self::rises`] replaced by a jump at its start.
     #[must_use]
     pub fn jumping(&self, rises: &[[f64; 2]]) -> Self {
         let mut jumps = self.clone();
@@ -146,17 +146,17 @@ impl History {
         jumps
     }
 
-    /// The rows' times, s.
+    /// Returns the times of the rows, s.
     pub fn time(&self) -> &[f64] {
         &self.time
     }
 
-    /// The rows' values.
+    /// Returns the values of the rows.
     pub fn value(&self) -> &[f64] {
         &self.value
     }
 
-    /// What comes before a time, s; none: that is all.
+    /// Returns the history truncated at a time, s; `None` if all rows are before it.
     pub fn until(&self, end: f64) -> Option<Self> {
         let kept = self.time.partition_point(|&row| row < end);
         if kept == self.time.len() {
@@ -171,17 +171,17 @@ impl History {
         Some(Self { time, value })
     }
 
-    /// True where the value never changes after t = 0.
+    /// Returns true if the value never changes after t = 0.
     pub fn is_constant(&self) -> bool {
         self.time[0] == 0.0 && self.value.iter().all(|&v| v == self.value[0])
     }
 
-    /// True where the value changes but not at once.
+    /// Returns true if the value changes other than by jumps.
     pub fn has_ramp(&self) -> bool {
         self.time.windows(2).zip(self.value.windows(2)).any(|(t, v)| t[1] > t[0] && v[1] != v[0])
     }
 
-    /// The value just after `t`: at a jump, the value behind it.
+    /// Returns the value just after `t`; at a jump, the value after the jump.
     pub fn at(&self, t: f64) -> f64 {
         let next = self.time.partition_point(|&row| row <= t);
         if next == 0 {
@@ -195,19 +195,19 @@ impl History {
         v0 + (v1 - v0) * ((t - t0) / (t1 - t0))
     }
 
-    /// The value just before `t`: at a jump, the value ahead of it.
+    /// Returns the value just before `t`; at a jump, the value before the jump.
     pub fn before(&self, t: f64) -> f64 {
         let next = self.time.partition_point(|&row| row < t);
         if next < self.time.len() && self.time[next] == t { self.value[next] } else { self.at(t) }
     }
 
-    /// Time of the first row with another value than `rest`, s; that of the last row, if there is none.
+    /// Returns the time of the first row whose value differs from `rest`, s; that of the last row if there is none.
     pub fn begins(&self, rest: f64) -> f64 {
         let first = self.value.iter().position(|&value| value != rest);
         self.time[first.unwrap_or(self.time.len() - 1)]
     }
 
-    /// Rate of change just after `t`, apart from jumps, 1/s.
+    /// Returns the rate of change just after `t`, without jumps, 1/s.
     pub fn rate(&self, t: f64) -> f64 {
         let next = self.time.partition_point(|&row| row <= t);
         if next == 0 || next == self.time.len() {
@@ -216,16 +216,16 @@ impl History {
         (self.value[next] - self.value[next - 1]) / (self.time[next] - self.time[next - 1])
     }
 
-    /// The mean over `from..to` (s, from < to), exact for straight pieces and jumps.
+    /// Returns the mean over `from..to` (s, from < to), exact for linear pieces and jumps.
     ///
-    /// A solver that applies means instead of point values carries exactly the impulse or displacement asked for.
+    /// A solver that applies means instead of point values transmits exactly the prescribed impulse or displacement.
     pub fn mean(&self, from: f64, to: f64) -> f64 {
         let last = self.time.len() - 1;
         if from >= self.time[last] {
             return self.value[last];
         }
         let mut integral = 0.0;
-        // Rows before the last one at or before `from` add nothing.
+        // Rows before the last one at or before `from` do not contribute.
         let first = self.time.partition_point(|&row| row <= from).saturating_sub(1);
         for k in (first..last).take_while(|&k| self.time[k] < to) {
             let (a, b) = (self.time[k].max(from), self.time[k + 1].min(to));
@@ -242,14 +242,14 @@ impl History {
         integral / (to - from)
     }
 
-    /// The value jumps at a time from `from` to `to` (s), both included.
+    /// Returns true if the value jumps at a time from `from` to `to` (s), both included.
     pub fn jumps_between(&self, from: f64, to: f64) -> bool {
         let first = self.time.partition_point(|&row| row < from);
         let rows = self.time[first..].iter().take_while(|&&row| row <= to).count();
         self.time[first..first + rows].windows(2).any(|pair| pair[0] == pair[1])
     }
 
-    /// Time up to which the value is within `drift` of `value` from `from` on, s; `from` where it is not then.
+    /// Returns the time up to which the value stays within `drift` of `value` from `from` on, s; `from` if it is not within `drift` at `from`.
     pub fn stays_near(&self, from: f64, value: f64, drift: f64) -> f64 {
         let is_near = |other: f64| (other - value).abs() <= drift;
         if !is_near(self.at(from)) {
@@ -258,13 +258,13 @@ impl History {
         let next = self.time.partition_point(|&row| row <= from);
         let Some(k) = (next..self.time.len()).find(|&k| !is_near(self.value[k])) else { return f64::INFINITY };
         let (t, v) = if k == next { (from, self.at(from)) } else { (self.time[k - 1], self.value[k - 1]) };
-        // On the straight line from the row before.
+        // Linear interpolation from the row before.
         let part = (drift - (v - value).abs()) / (self.value[k] - v).abs();
         t + (self.time[k] - t) * part.clamp(0.0, 1.0)
     }
 
-    /// Time up to which the value only falls back towards `rest` from `from` on, s, without a jump and by less than this part of what it differs
-    /// by; `from` where it does not.
+    /// Returns the time (s) up to which, from `from` on, the value only falls back towards `rest`, without a jump and by less than the fraction
+    /// `part` of its difference from `rest`; `from` if it does not.
     pub fn lessens_until(&self, from: f64, rest: f64, part: f64) -> f64 {
         let change = self.at(from) - rest;
         let left = |value: f64| (value - rest) / change;
@@ -282,7 +282,8 @@ impl History {
         f64::INFINITY
     }
 
-    /// The largest part per time, in the mean from `from` on, by which the value falls back towards `rest` up to `until`, 1/s; times in s.
+    /// Returns the largest mean rate, relative to the difference from `rest` at `from`, at which the value falls back towards `rest` between `from`
+    /// and any time up to `until`, 1/s; times in s.
     pub fn fades(&self, from: f64, rest: f64, until: f64) -> f64 {
         let change = self.at(from) - rest;
         let first = self.time.partition_point(|&row| row <= from);
@@ -292,7 +293,7 @@ impl History {
         rows.take_while(|row| row.0 < until).chain(last).filter(|row| row.0 > from).map(rate).fold(0.0, f64::max)
     }
 
-    /// The same, but that it does not fall back towards `rest` before it jumps or rises again.
+    /// Returns the history with values held wherever they would fall back towards `rest`, until they jump or rise again.
     #[must_use]
     pub fn holding(&self, rest: f64) -> Self {
         let left = |value: f64| (value - rest).abs();
@@ -306,7 +307,7 @@ impl History {
         for k in 0..last {
             let held = value[value.len() - 1];
             if falls(k) {
-                // The last value holds for ever where nothing follows.
+                // The last value is held for ever if no row follows.
                 let goes_on = k + 1 == last || falls(k + 1) || self.time[k + 2] == self.time[k + 1];
                 time.push(self.time[k + 1]);
                 value.push(held);
@@ -322,12 +323,12 @@ impl History {
         Self { time, value }
     }
 
-    /// The value rises from 0 and never jumps.
+    /// Returns true if the value starts from 0 and never jumps.
     pub fn is_continuous(&self) -> bool {
         self.value[0] == 0.0 && !self.jumps_between(0.0, f64::INFINITY)
     }
 
-    /// The value of largest magnitude (the first one, where several are equal).
+    /// Returns the value of largest magnitude (the first one, if several are equal).
     pub fn extreme(&self) -> f64 {
         self.value.iter().fold(0.0, |m: f64, &v| if v.abs() > m.abs() { v } else { m })
     }

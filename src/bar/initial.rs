@@ -1,4 +1,4 @@
-//! Initial state of a segment: uniform, or tables over x.
+//! Initial state of a segment: uniform, or as tables over x.
 
 use serde::Serialize;
 
@@ -6,26 +6,26 @@ use super::history::RowFault;
 use super::{History, RowError};
 use crate::law::Deformed;
 
-/// The state of a segment at t = 0. What held it is taken away then: where forces differ at joints and ends, waves start.
+/// State of a segment at t = 0. Whatever held it is removed at t = 0: waves start where forces differ at joints and ends.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Initial {
-    /// Pa, tension positive; of a tapered segment the same at every section.
+    /// Stress, Pa, tension positive; the same at every section of a tapered segment.
     pub stress: f64,
     /// Signed plastic strain (engineering), as left by slow loading.
     pub plastic_strain: f64,
-    /// Accumulated plastic strain, >= the size of the plastic strain; hardening that moves the elastic range does not read it.
+    /// Accumulated plastic strain, >= |plastic strain|; not used by kinematic hardening.
     pub accumulated: f64,
     /// Temperature above the material's reference temperature, K, >= 0.
     pub temperature_rise: f64,
 }
 
 impl Initial {
-    /// The law has to know of it: it has flowed, or is warm.
+    /// Returns true if the state concerns the material law: if there is plastic strain or a temperature rise.
     pub fn is_of_a_law(&self) -> bool {
         self.plastic_strain != 0.0 || self.accumulated != 0.0 || self.temperature_rise != 0.0
     }
 
-    /// What its law has to know of it, for an elastic modulus in Pa.
+    /// Returns the state in the form needed by the material law, for an elastic modulus in Pa.
     pub fn deformed(&self, modulus: f64) -> Deformed {
         Deformed {
             plastic: modulus * self.plastic_strain,
@@ -35,35 +35,35 @@ impl Initial {
     }
 }
 
-/// The state of a segment at t = 0 that changes along it; x is measured from the segment's own left end, in m.
+/// State of a segment at t = 0 that varies along it; x is measured from the left end of the segment, in m.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InitialProfile {
-    /// m/s, positive in +x.
+    /// Velocity, m/s, positive in +x.
     pub velocity: Distribution,
-    /// Pa.
+    /// Stress, Pa.
     pub stress: Distribution,
     /// Signed plastic strain.
     pub plastic_strain: Distribution,
     /// Accumulated plastic strain.
     pub accumulated: Distribution,
-    /// K.
+    /// Temperature above the reference temperature, K.
     pub temperature_rise: Distribution,
 }
 
-/// A quantity over x, straight between rows; a repeated x is a jump, and beyond the outermost rows their values hold.
+/// A quantity as a function of x, linear between rows. A repeated x is a jump; beyond the outermost rows the value is constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Distribution(History);
 
 impl Distribution {
-    /// The same value everywhere.
+    /// Returns a uniform distribution.
     pub fn constant(value: f64) -> Self {
         Self(History::constant(value))
     }
 
-    /// From rows (x in m >= 0, value): at least one, finite, x never decreasing, at most two rows with one x.
+    /// Builds a distribution from rows (x in m >= 0, value): at least one, all finite, x never decreasing, at most two rows with the same x.
     ///
     /// # Errors
-    /// The first row that breaks a rule, and which rule.
+    /// Returns the first row that violates a rule, and the rule.
     pub fn new(rows: &[(f64, f64)]) -> Result<Self, RowError> {
         let first = rows.first().filter(|row| row.0 > 0.0).map(|row| (0.0, row.1));
         let shift = usize::from(first.is_some());
@@ -75,33 +75,33 @@ impl Distribution {
         History::of_rows(&all).map(Self).map_err(over_x)
     }
 
-    /// The rows.
+    /// Returns the rows.
     pub fn rows(&self) -> impl Iterator<Item = (f64, f64)> {
         self.0.time().iter().copied().zip(self.0.value().iter().copied())
     }
 
-    /// The value just to the right of x.
+    /// Returns the value just to the right of x.
     pub fn at(&self, x: f64) -> f64 {
         self.0.at(x)
     }
 
-    /// The value just to the left of x.
+    /// Returns the value just to the left of x.
     pub fn before(&self, x: f64) -> f64 {
         self.0.before(x)
     }
 
-    /// The mean over `from..to`, exact.
+    /// Returns the exact mean over `from..to`.
     pub fn mean(&self, from: f64, to: f64) -> f64 {
         if self.0.value().len() == 1 { self.0.value()[0] } else { self.0.mean(from, to) }
     }
 
-    /// The same with every value times `factor`.
+    /// Returns the distribution with every value multiplied by `factor`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self(self.0.scaled(factor))
     }
 
-    /// The part over `from..to`, x counted from `from`.
+    /// Returns the part over `from..to`, with x measured from `from`.
     #[must_use]
     pub fn part(&self, from: f64, to: f64) -> Self {
         let inner = self.rows().filter(|&(x, _)| from < x && x < to).map(|(x, value)| (x - from, value));
@@ -109,7 +109,7 @@ impl Distribution {
         Self(History::new(&rows.collect::<Vec<_>>()).expect("rows of a table are in order"))
     }
 
-    /// What `combine` makes of the values of some tables at one x, straight between the rows of any of them.
+    /// Returns the distribution of `combine` applied to the values of several tables at the same x, linear between the rows of all tables.
     pub fn combined<const N: usize>(tables: [&Self; N], combine: impl Fn([f64; N]) -> f64) -> Self {
         let mut rows = Vec::new();
         for x in knots(tables) {
@@ -122,7 +122,7 @@ impl Distribution {
         Self(History::new(&rows).expect("knots are in order"))
     }
 
-    /// The size of its values, with a row where it changes sign.
+    /// Returns the distribution of the magnitudes, with an additional row at each change of sign.
     #[must_use]
     pub fn size(&self) -> Self {
         let rows: Vec<(f64, f64)> = self.rows().collect();
@@ -138,13 +138,13 @@ impl Distribution {
         Self(History::new(&all).expect("rows of a table are in order"))
     }
 
-    /// The largest size of its values.
+    /// Returns the largest magnitude.
     pub fn largest(&self) -> f64 {
         self.0.extreme().abs()
     }
 }
 
-/// All x of some tables' rows, increasing, each once; 0 among them.
+/// Returns all x of the rows of several tables, ascending and without duplicates; 0 is included.
 fn knots<'a>(tables: impl IntoIterator<Item = &'a Distribution>) -> Vec<f64> {
     let mut knots: Vec<f64> = tables.into_iter().flat_map(|table| table.0.time()).copied().collect();
     knots.push(0.0);
@@ -163,28 +163,28 @@ impl InitialProfile {
         Self { velocity, stress, plastic_strain, accumulated, temperature_rise }
     }
 
-    /// All x at which a table has a row, m, increasing.
+    /// Returns all x at which a table has a row, m, ascending.
     pub fn knots(&self) -> Vec<f64> {
         knots(self.tables())
     }
 
-    /// Nothing changes along the segment.
+    /// Returns true if no quantity varies along the segment.
     pub fn is_uniform(&self) -> bool {
         self.tables().iter().all(|table| table.0.value().iter().all(|value| *value == table.0.value()[0]))
     }
 
-    /// Some place of it is stressed, has flowed or is warm: not the velocity alone changes.
+    /// Returns true if any part of the segment is stressed, has flowed or is warm, so that not only the velocity varies.
     pub fn has_state(&self) -> bool {
         let [_, state @ ..] = self.tables();
         state.iter().any(|table| table.largest() > 0.0)
     }
 
-    /// A quantity changes between jumps.
+    /// Returns true if a quantity varies other than by jumps.
     pub fn has_slopes(&self) -> bool {
         self.tables().iter().any(|table| table.0.has_ramp())
     }
 
-    /// The state just to the left (`side` 0) or right (1) of x.
+    /// Returns the state just to the left (`side` 0) or right (1) of x.
     pub fn beside(&self, x: f64, side: usize) -> Initial {
         let [stress, plastic_strain, accumulated, temperature_rise] =
             [&self.stress, &self.plastic_strain, &self.accumulated, &self.temperature_rise]
@@ -192,7 +192,7 @@ impl InitialProfile {
         Initial { stress, plastic_strain, accumulated, temperature_rise }
     }
 
-    /// Means over `from..to`.
+    /// Returns the mean state over `from..to`.
     pub fn mean(&self, from: f64, to: f64) -> Initial {
         let [stress, plastic_strain, accumulated, temperature_rise] =
             [&self.stress, &self.plastic_strain, &self.accumulated, &self.temperature_rise]
@@ -200,13 +200,13 @@ impl InitialProfile {
         Initial { stress, plastic_strain, accumulated: accumulated.max(plastic_strain.abs()), temperature_rise }
     }
 
-    /// The part over `from..to`, x counted from `from`.
+    /// Returns the part over `from..to`, with x measured from `from`.
     #[must_use]
     pub fn part(&self, from: f64, to: f64) -> Self {
         self.map(|table| table.part(from, to))
     }
 
-    /// Constant between the places of `borders` (m, increasing, from the left to the right end), by the means there.
+    /// Returns the profile that is constant between the positions `borders` (m, ascending, from the left to the right end), with the mean values.
     #[must_use]
     pub fn staircase(&self, borders: &[f64]) -> Self {
         self.map(|table| {

@@ -1,4 +1,4 @@
-//! Initial fans: the centred waves emitted by ends and joints at t = 0, from the curves alone, before any reflection.
+//! Initial fans: the centred waves emitted by ends and joints at t = 0, computed from the curves alone, before any reflection.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,24 +8,25 @@ use crate::material::{Curve, Sense};
 use crate::root::bisect;
 use crate::wave::similarity::{Edge, Fan, fan_at_stress, fan_at_velocity};
 
-/// Cells that the slowest front of a fan travels while schemes on a grid follow the exact fan, where the bar has room, and while histories show
-/// the exact state. Copper on a wall at 60 m/s, 200 cells: the first cell has 0.9 % too much strain with 6, 0.4 % with 24; the error of all
-/// benchmarks is least near 24. Bilinear steel, annealed copper and a foam that locks up oscillate by less than 1 % of the stress from there on.
+/// Number of cells that the slowest front of a fan travels while grid schemes follow the exact fan (if the bar is long enough) and while histories
+/// show the exact state. Copper on a wall at 60 m/s, 200 cells: the first cell has 0.9 % too much strain with 6 cells, 0.4 % with 24. The error over
+/// all benchmarks is smallest near 24. From there on bilinear steel, annealed copper and a foam with lock-up oscillate by less than 1 % of the
+/// stress.
 pub const START_CELLS: f64 = 24.0;
 
-/// Where a fan starts.
+/// Origin of a fan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
     /// The left end.
     Left,
     /// The right end.
     Right,
-    /// The joint between segments `0` and the next, counted from 0.
+    /// The joint between this segment and the next, counted from 0.
     Joint(usize),
 }
 
 impl Origin {
-    /// In which waves run from an end: +1 from the left one, -1 from the right one.
+    /// Returns the direction of waves from an end: +1 from the left end, -1 from the right end.
     pub(super) fn direction(self) -> f64 {
         if self == Self::Left { 1.0 } else { -1.0 }
     }
@@ -41,86 +42,88 @@ impl std::fmt::Display for Origin {
     }
 }
 
-/// What drives a fan.
+/// Quantity that drives a fan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Driver {
     /// A velocity: of an end, or of the other side of a joint.
     Velocity,
     /// A stress.
     Stress,
-    /// A body, which the bar slows down.
+    /// A body that the bar decelerates.
     Body,
 }
 
-/// How the bar behind a fan is unloaded.
+/// Mode of unloading behind a fan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unloads {
     /// By elastic waves.
     Elastically,
-    /// Back along the curve, as fast as the slowest front.
+    /// Back along the curve, with the speed of the slowest front.
     AlongCurve,
 }
 
-/// One fan of fronts into one segment.
+/// A fan of fronts in one segment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InitialFan {
-    /// Where it starts.
+    /// Origin of the fan.
     pub origin: Origin,
-    /// Place of the origin, m.
+    /// Position of the origin, m.
     pub x: f64,
-    /// Segment that it runs through.
+    /// Index of the segment through which the fan travels.
     pub segment: usize,
-    /// +1 where it runs in +x, -1 in -x.
+    /// Direction of travel: +1 in +x, -1 in -x.
     pub direction: f64,
-    /// Tension or compression.
+    /// Sense of the stress: tension or compression.
     pub sense: Sense,
-    /// The fronts, magnitudes.
+    /// Fronts, in magnitudes.
     pub fan: Fan,
-    /// The slowest of them is a shock.
+    /// Whether the slowest front is a shock.
     pub shock: bool,
     /// Velocity of the bar ahead, m/s.
     pub velocity_ahead: f64,
-    /// When it starts, s: 0 but for a gap that closes first, or a wave. The times below count from then on.
+    /// Start of the fan, s: 0 unless a gap closes first or a wave starts it. The times below count from this start.
     pub from: f64,
-    /// The segment through which an elastic wave comes that starts it, if one does.
+    /// Segment through which the elastic wave arrives that starts the fan; `None` if no wave starts it.
     pub wave_through: Option<usize>,
-    /// Number of waves that have come to its origin through its segment before.
+    /// Number of earlier waves that have arrived at the origin through the segment of the fan.
     pub waves_before: usize,
-    /// The largest imposed value holds from t = 0 on and never changes.
+    /// Whether the largest imposed value is applied at t = 0 and never changes.
     pub sudden: bool,
-    /// From when on what drives it lessens while it holds, s, as a body does at once that the bar slows down; infinite where it does not.
+    /// Time from which on the driving quantity decreases within `holds_until`, by more than counts as steady, s; infinite if it does not decrease.
     pub lessens_from: f64,
-    /// Part of it that is gone per time as it lessens, 1/s.
+    /// Relative rate at which it decreases, 1/s.
     pub fades: f64,
-    /// How it is unloaded then.
+    /// Mode of unloading behind the fan.
     pub unloads: Unloads,
-    /// Stress that the bar behind it can lose before it yields the other way, Pa; infinite where that is not looked at.
+    /// Decrease of the stress behind the fan at which the bar yields in the other sense, Pa; infinite if this is not considered.
     pub yields_after: f64,
-    /// First time at which the driving value falls back (or is released), s; infinite where it never does.
+    /// First time at which the driving quantity falls back (or is released), s; infinite if it never does.
     pub loads_until: f64,
-    /// Time up to which what drives it stays as it is at t = 0, s: 0 where it grows from nothing. A striker is slowed down; it counts as
-    /// steady while that changes the force by less than 2 %. Of fans that start on a grid: or up to which it only lessens, see [`InitialFan::held_by`].
+    /// Time up to which the driving quantity keeps its value at t = 0, s; 0 if it rises from zero. A striker is decelerated; it counts as steady
+    /// while the force changes by less than 2 %. For fans that start on a grid: time up to which the quantity is constant or only decreases, see
+    /// [`InitialFan::held_by`].
     pub holds_until: f64,
-    /// When one of its plastic fronts meets another plastic front, s; infinite where that is not known.
+    /// Time at which one of its plastic fronts meets another plastic front, s; infinite if not known.
     pub meets_plastic_at: f64,
-    /// What drives it.
+    /// Quantity that drives the fan.
     pub driver: Driver,
-    /// Nothing else sends waves into the bar until this fan meets a joint or the other end.
+    /// Whether no other waves enter the bar until this fan meets a joint or the other end.
     pub alone: bool,
-    /// Distance from its origin up to which the segment counts as uniform, m.
+    /// Distance from the origin up to which the segment counts as uniform, m.
     pub uniform_for: f64,
-    /// When each of its fronts leaves the origin, s, in order; empty where all do at once.
+    /// Times at which the fronts leave the origin, s, ascending; empty if all leave at once.
     pub delays: Vec<f64>,
 }
 
-/// Part of the force of a striker that it may lose and still count as steady.
+/// Relative decrease of the force of a striker up to which it counts as steady.
 const STEADY: f64 = 0.02;
 
-/// Part of its plastic fronts up to which a fan is followed as it is unloaded.
+/// Fraction of its plastic fronts that may be used up by unloading while a fan is followed.
 const FOLLOWED: f64 = 0.9;
 
 impl InitialFan {
-    /// Of these fronts, which start at t = 0 and run through a segment, given with its number, in a direction: driven by a velocity that never changes.
+    /// Returns a fan with these fronts, which starts at t = 0 in a direction in a segment (given with its index) and is driven by a constant
+    /// velocity.
     fn at_start((origin, direction): (Origin, f64), (segment, at): (usize, &Segment), sense: Sense, fan: Fan) -> Self {
         let curve = at.material.branch(sense);
         let uniform_for = same_section(at, direction);
@@ -131,7 +134,7 @@ impl InitialFan {
         }
     }
 
-    /// The same in a bar at rest that is uniform, of this curve.
+    /// Returns such a fan in a uniform bar at rest with this curve.
     pub fn steady(
         (origin, direction): (Origin, f64),
         segment: usize,
@@ -165,40 +168,40 @@ impl InitialFan {
         }
     }
 
-    /// Time (s) up to which its origin is in the state behind it, in a segment of this `length` (m): what drives it does not change, and no
-    /// other wave has come. 0 where that state is not known.
+    /// Returns the time (s) up to which the origin is in the state behind the fan, in a segment of this `length` (m): the driving quantity is
+    /// constant, and no other wave has arrived. Returns 0 if that state is not known.
     pub fn known_until(&self, length: f64) -> f64 {
         if self.state_behind().is_some() { self.alone_for(length) } else { 0.0 }
     }
 
-    /// Time (s) up to which what drives it does not change, and no other wave has come, in a segment of this `length` (m).
+    /// Returns the time (s) up to which the driving quantity is constant and no other wave has arrived, in a segment of this `length` (m).
     pub(super) fn alone_for(&self, length: f64) -> f64 {
         let Some(first) = self.fan.edges.first() else { return 0.0 };
-        // Other waves may come to meet it from the far side.
+        // Other waves may approach from the far side.
         let room = if self.alone { length } else { 0.5 * length }.min(self.uniform_for);
         (room / first.speed).min(self.holds_until)
     }
 
-    /// Time (s) after which its slowest front has travelled [`START_CELLS`] cells of this length, m; 0 of one that is elastic: `c0` is the speed (m/s)
-    /// of such waves.
+    /// Returns the time (s) in which the slowest front travels [`START_CELLS`] cells of length `dx` (m); 0 if it is elastic. `c0` is the elastic wave
+    /// speed, m/s.
     pub fn followed_for(&self, dx: f64, c0: f64) -> f64 {
         let slowest = self.fan.edges.last().filter(|edge| !edge.is_elastic(c0));
         let delay = self.delays.last().copied().unwrap_or(0.0);
         slowest.map_or(0.0, |edge| delay + START_CELLS * dx / edge.speed)
     }
 
-    /// Part of what drives it that is gone when it has been followed for a time, s.
+    /// Returns the fraction of the driving quantity that is lost after the fan has been followed for a time, s.
     pub fn loses(&self, followed: f64) -> f64 {
         self.fades * (followed.min(self.holds_until) - self.lessens_from).max(0.0)
     }
 
-    /// What drives it lessens while it holds.
+    /// Returns true if the driving quantity decreases within `holds_until`.
     pub fn lessens(&self) -> bool {
         self.lessens_from < self.holds_until
     }
 
-    /// The same, driven by this end of a segment: for as long as what that imposes from `settled` (s) on stays as it is, or lessens and does not use up
-    /// all plastic fronts.
+    /// Returns the fan, driven by this end of a segment. It holds as long as the quantity imposed by the end, from `settled` (s) on, is constant, or
+    /// decreases without using up all plastic fronts.
     #[must_use]
     pub fn held_by(self, end: &EndCondition, at: &Segment, settled: f64) -> Self {
         let part = self.can_lose(at.material.c0());
@@ -224,26 +227,27 @@ impl InitialFan {
         Self { holds_until, lessens_from: lessens_from - self.from, fades, ..self }
     }
 
-    /// The same in a bar that is unloaded along its curve. How much of a stress it can lose then is not known.
+    /// Returns the fan in a bar that unloads along its curve. It is then not known how much a stress may decrease.
     #[must_use]
     pub fn unloading_along_curve(self) -> Self {
         let steady = if self.driver == Driver::Stress { self.lessens_from } else { f64::INFINITY };
         Self { holds_until: self.holds_until.min(steady), unloads: Unloads::AlongCurve, ..self }
     }
 
-    /// Speed of the waves that unload the bar behind it, m/s; `c0` is that of elastic waves.
+    /// Returns the speed of the waves that unload the bar behind the fan, m/s; `c0` is the elastic wave speed.
     pub fn unloading_speed(&self, c0: f64) -> f64 {
         let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
         if self.unloads == Unloads::Elastically { c0 } else { slowest }
     }
 
-    /// Stress that its end loses with its velocity as that falls steadily at first, over the density, m/s.
+    /// Returns the ratio of the stress decrease to the velocity decrease of the end at the beginning of a steady decrease, divided by the density,
+    /// m/s.
     pub fn slowing(&self, c0: f64) -> f64 {
         let (waves, front) = (self.unloading_speed(c0), self.fan.edges.last().map_or(0.0, |edge| edge.speed));
         2.0 * front * waves * waves / (waves * waves + front * front)
     }
 
-    /// Part of what drives it that its end can lose before its fronts are used up.
+    /// Returns the fraction of the driving quantity that the end can lose before the fronts are used up.
     pub fn can_lose(&self, c0: f64) -> f64 {
         let slowest = self.fan.edges.last().map_or(0.0, |edge| edge.speed);
         let size = |edge: &Edge| match self.driver {
@@ -251,50 +255,51 @@ impl InitialFan {
             _ => edge.velocity_jump(),
         };
         let plastic = self.fan.edges.iter().filter(|edge| !edge.is_elastic(c0));
-        // What is left of a loss at the front.
+        // Fraction of a loss at the end that arrives at the slowest front.
         let [squared, squared_slow] = [c0 * c0, slowest * slowest];
         let arrives = match self.driver {
-            // The stress that is lost there over that at the end, rho c times the velocity.
+            // Stress lost at the front over that lost at the end, which is rho c times the velocity.
             Driver::Stress => (squared - squared_slow) / (2.0 * squared),
             _ => (squared - squared_slow) / (squared + squared_slow),
         };
         FOLLOWED * (plastic.map(size).sum::<f64>() / (arrives * self.fan.edges.iter().map(size).sum::<f64>())).min(1.0)
     }
 
-    /// The same, started by an elastic wave that lessens for a time (s), in which this part of it goes.
+    /// Returns the fan, started by an elastic wave that loses the fraction `part` of its strength within a time (s).
     #[must_use]
     pub fn fading(self, part: f64, time: f64) -> Self {
         Self { holds_until: self.holds_until.min(time), lessens_from: 0.0, fades: part / time, ..self }
     }
 
-    /// Part of its change of velocity that its plastic fronts bring, where elastic waves travel with `c0`, m/s.
+    /// Returns the fraction of the velocity change that is due to plastic fronts; `c0` is the elastic wave speed, m/s.
     pub fn plastic_part(&self, c0: f64) -> f64 {
         let plastic = self.fan.edges.iter().filter(|edge| !edge.is_elastic(c0));
         plastic.map(Edge::velocity_jump).sum::<f64>() / self.fan.velocity
     }
 
-    /// It starts at the same place before another one, and what drives it holds for some time.
+    /// Returns true if the fan starts from the same origin as another one, but earlier, and is held for some time.
     pub fn precedes(&self, other: &Self) -> bool {
         self.origin == other.origin && self.from < other.from && self.holds_until > 0.0
     }
 
-    /// What it changes, >= 0: stress (Pa) and strain.
+    /// Returns the magnitudes of the changes of stress (Pa) and strain across the fan.
     pub fn changes(&self) -> [f64; 2] {
         let ahead = self.fan.edges.first().map_or([0.0; 2], |edge| [edge.stress_ahead, edge.strain_ahead]);
         [self.fan.stress - ahead[0], self.fan.strain - ahead[1]]
     }
 
-    /// Stress ahead of it, Pa.
+    /// Returns the stress ahead of the fan, Pa.
     pub fn stress_ahead(&self) -> f64 {
         self.fan.edges.first().map_or(0.0, |edge| self.sense.sign() * edge.stress_ahead)
     }
 
-    /// Stress (Pa) and velocity (m/s) behind it; none above the critical velocity or beyond the data of the curve.
+    /// Returns stress (Pa) and velocity (m/s) behind the fan; `None` above the critical velocity or beyond the data of the curve.
     pub fn state_behind(&self) -> Option<[f64; 2]> {
         (!self.fan.above_critical && !self.fan.beyond_data).then(|| self.behind_fronts())
     }
 
-    /// The same of an end that moves faster than the curve carries away: the ultimate stress, and the velocity of the bar.
+    /// Returns stress and velocity behind the fan of an end above the critical velocity: the ultimate stress, and the velocity of the bar. Otherwise
+    /// `None`.
     pub(super) fn state_above_critical(&self) -> Option<[f64; 2]> {
         (self.fan.above_critical && self.driver != Driver::Stress).then(|| self.behind_fronts())
     }
@@ -305,12 +310,12 @@ impl InitialFan {
     }
 }
 
-/// All fans of a bar with its ends, left to right; none of a bar with an initial state, in which waves do not start from zero stress.
+/// Returns all fans of a bar and its ends, from left to right. Empty for a bar with an initial state, where waves do not start from zero stress.
 pub fn initial_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<InitialFan> {
     fans(bar, left, right, Imposed::at_most)
 }
 
-/// Those of the largest or of the first values that ends impose.
+/// Returns the fans of the largest or of the first values that the ends impose.
 fn fans(bar: &Bar, left: &EndCondition, right: &EndCondition, imposed: Drive) -> Vec<InitialFan> {
     if bar.has_initial_state() {
         return Vec::new();
@@ -338,14 +343,14 @@ fn fans(bar: &Bar, left: &EndCondition, right: &EndCondition, imposed: Drive) ->
     all
 }
 
-/// The first fans of a bar: those at t = 0 or, of a bar in which nothing happens before one gap closes, that of a wall or of one joint, those
-/// of that moment.
+/// Returns the first fans of a bar: those at t = 0. If nothing happens before one gap (of a wall or of one joint) closes, returns the fans
+/// at that time.
 pub fn first_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<InitialFan> {
     let fans = initial_fans(bar, left, right);
     if fans.is_empty() { at_gap(bar, [left, right]).unwrap_or_default() } else { fans }
 }
 
-/// The same, with ends as they move at first: a history that starts with 15 m/s and jumps to 25 m/s later starts the fan of 15 m/s.
+/// Returns the first fans, with ends as they move at first: a history that starts with 15 m/s and later jumps to 25 m/s emits the fan of 15 m/s.
 pub fn starting_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Vec<InitialFan> {
     let largest = initial_fans(bar, left, right);
     if largest.is_empty() {
@@ -360,7 +365,7 @@ pub fn starting_fans(bar: &Bar, left: &EndCondition, right: &EndCondition) -> Ve
             Origin::Joint(_) => {}
         }
     }
-    // Another end may act later.
+    // Another end may start to move later.
     let alone = largest.iter().all(|fan| fan.alone);
     for fan in &mut fans {
         fan.alone &= alone;
@@ -391,7 +396,7 @@ fn at_gap(bar: &Bar, ends: [&EndCondition; 2]) -> Option<Vec<InitialFan>> {
     Some(fans)
 }
 
-/// When a gap closes if both sides move as at t = 0, s; none where there is none, or it does not close.
+/// Returns the time at which a gap closes if both sides keep their velocities of t = 0, s. `None` if there is no gap, or if it does not close.
 fn gap_closes(bar: &Bar, ends: [&EndCondition; 2], origin: Origin) -> Option<f64> {
     let velocity = |k: usize| bar.segments[k].velocity;
     let (gap, closing) = match origin {
@@ -409,8 +414,8 @@ fn wall_gap(end: &EndCondition) -> Option<f64> {
     if let EndCondition::Wall { gap } = end { Some(*gap) } else { None }
 }
 
-/// Whether an end that starts no fan sends waves into the bar before any have come to it: a bar that moves at `rest` (m/s) loads it, or a body
-/// comes to it. `direction` is +1 at the left end and -1 at the right one.
+/// Returns true if an end that emits no fan sends waves into the bar before any wave arrives: because a bar that moves at `rest` (m/s) loads it, or a
+/// body strikes the end. `direction` is +1 at the left end and -1 at the right one.
 pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) -> bool {
     match end {
         EndCondition::Spring { .. } => rest != 0.0,
@@ -427,7 +432,8 @@ pub(crate) fn acts_without_fan(end: &EndCondition, direction: f64, rest: f64) ->
     }
 }
 
-/// What drives the end of a segment at t = 0, and until when at the latest, s. None of ends that do nothing of their own at once.
+/// Returns the quantity that drives the end of a segment at t = 0, and the latest time up to which it does, s. `None` if the end imposes nothing at
+/// once.
 pub(crate) fn drives_at_start(end: &EndCondition, direction: f64, at: &Segment) -> Option<(Driver, f64)> {
     Imposed::at_first(at, end, direction).map(|imposed| (imposed.driver, imposed.holds_until))
 }
@@ -440,8 +446,8 @@ pub(super) fn from_end(
     of_end(Imposed::at_most(at, end, origin.direction())?, origin, x, segment, at)
 }
 
-/// What waves start from the ends of a bar of themselves, each end given with its origin, its place (m), the number of its segment and that segment; none
-/// in a bar with an initial state.
+/// Returns the waves that the ends of a bar emit at t = 0, as computed by `wave` from each end, its origin, position (m) and segment index, and the
+/// segment. Empty for a bar with an initial state.
 pub(super) fn at_ends(
     bar: &Bar,
     ends: [&EndCondition; 2],
@@ -458,7 +464,7 @@ pub(super) fn at_ends(
 
 fn of_end(imposed: Imposed, origin: Origin, x: f64, segment: usize, at: &Segment) -> Option<InitialFan> {
     let (direction, density) = (origin.direction(), at.material.density);
-    // A wave running in +x behind which the bar moves faster in +x compresses it, and likewise mirrored.
+    // A wave that travels in +x and increases the velocity in +x compresses the bar; mirrored for waves in -x.
     let under_stress = imposed.driver == Driver::Stress;
     let sense = Sense::of(if under_stress { imposed.change } else { -direction * imposed.change });
     let (curve, change) = (at.material.branch(sense), imposed.change.abs());
@@ -475,14 +481,15 @@ fn of_end(imposed: Imposed, origin: Origin, x: f64, segment: usize, at: &Segment
     })
 }
 
-/// What the end of a segment imposes, from which waves run in a direction: +1 at its left, -1 at its right.
+/// Function that returns the value imposed by the end of a segment, given the direction of its waves: +1 at the left end, -1 at the right end.
 type Drive = fn(&Segment, &EndCondition, f64) -> Option<Imposed>;
 
-/// Part of its change by which a value may drift and still count as the one that it was. What the end moves farther than its fan stays in the first
-/// cell as strain: 24 cells on, twelve times that part of the velocity over the speed of the slowest front.
+/// Relative change of a value up to which it counts as constant. The excess displacement of the end remains in the first
+/// cell as strain: after 24 cells, twelve times this fraction of the velocity over the speed of the slowest front.
 const DRIFT: f64 = 0.001;
 
-/// The history that an end follows, the value (m/s or Pa) of a bar that nothing drives, and when the end is released, s; none of other ends.
+/// Returns the driver and the history of an end, the value (m/s or Pa) of an undriven bar, and the time at which the end is released, s. `None` for
+/// ends without a history.
 fn prescribed<'a>(at: &Segment, end: &'a EndCondition) -> Option<(Driver, &'a super::History, [f64; 2])> {
     match end {
         EndCondition::Velocity { history, release } => {
@@ -493,11 +500,11 @@ fn prescribed<'a>(at: &Segment, end: &'a EndCondition) -> Option<(Driver, &'a su
     }
 }
 
-/// What an end imposes on the bar.
+/// The value that an end imposes on the bar.
 #[derive(Clone, Copy)]
 struct Imposed {
     driver: Driver,
-    /// Of the velocity, m/s; of the stress where that drives, Pa.
+    /// Change of the velocity, m/s, or of the stress if that drives the fan, Pa.
     change: f64,
     sudden: bool,
     loads_until: f64,
@@ -505,12 +512,12 @@ struct Imposed {
 }
 
 impl Imposed {
-    /// One value for ever.
+    /// Returns a constant value.
     fn steady(driver: Driver, change: f64) -> Self {
         Self { driver, change, sudden: true, loads_until: f64::INFINITY, holds_until: f64::INFINITY }
     }
 
-    /// At first, for as long as that holds.
+    /// Returns the first value of an end, up to its release.
     fn at_first(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
         let Some((driver, history, [rest, released])) = prescribed(at, end) else {
             return Self::at_most(at, end, direction).map(|imposed| Self { holds_until: f64::INFINITY, ..imposed });
@@ -520,7 +527,7 @@ impl Imposed {
         Some(Self { sudden: history.is_constant(), holds_until, ..Self::steady(driver, change) })
     }
 
-    /// At its strongest.
+    /// Returns the largest value of an end.
     fn at_most(at: &Segment, end: &EndCondition, direction: f64) -> Option<Self> {
         if let Some((driver, history, [rest, released])) = prescribed(at, end) {
             let (peak, until) = peak(history, rest);
@@ -536,14 +543,14 @@ impl Imposed {
         let (rest, area) = (at.velocity, at.end_areas()[usize::from(direction < 0.0)]);
         match end {
             EndCondition::Fixed => Some(Self::steady(Driver::Velocity, -rest)),
-            // The bar moves towards a wall at the left when its velocity is negative.
+            // The bar moves towards a wall at the left if its velocity is negative.
             EndCondition::Wall { gap } if *gap == 0.0 && rest * direction < 0.0 => {
                 Some(Self::steady(Driver::Velocity, -rest))
             }
             EndCondition::Dashpot { coefficient } if *coefficient > 0.0 => {
                 Some(Self::steady(Driver::Stress, against_dashpot(at, *coefficient, direction, area)))
             }
-            // Strongest at the first touch: from then on the bar slows it down.
+            // The load is largest at first contact: from then on the bar decelerates the striker.
             EndCondition::Striker { mass, velocity } if (velocity - rest) * direction > 0.0 => {
                 Some(Self {
                     driver: Driver::Body,
@@ -558,7 +565,7 @@ impl Imposed {
             | EndCondition::Absorbing
             | EndCondition::Dashpot { .. }
             | EndCondition::Striker { .. }
-            // Its force starts from nothing.
+            // These forces start from zero.
             | EndCondition::Ball { .. }
             | EndCondition::Spring { .. }
             | EndCondition::Velocity { .. }
@@ -567,7 +574,8 @@ impl Imposed {
     }
 }
 
-/// Stress (Pa) behind the fan of a bar that moves against a dashpot (N s/m): its force is that at which both together take up the velocity of the bar.
+/// Returns the stress (Pa) behind the fan of a bar that moves against a dashpot (N s/m). At its force the velocity changes of both add up to the
+/// velocity of the bar.
 fn against_dashpot(at: &Segment, coefficient: f64, direction: f64, area: f64) -> f64 {
     if at.velocity == 0.0 {
         return 0.0;
@@ -578,7 +586,7 @@ fn against_dashpot(at: &Segment, coefficient: f64, direction: f64, area: f64) ->
     sense.sign() * joint_force(at.velocity.abs(), taken, area * strongest(curve)) / area
 }
 
-/// The first extreme of a history relative to `rest`, and when the history first falls back from it.
+/// Returns the first extreme of a history relative to `rest`, and the time at which the history first falls back from it.
 fn peak(history: &super::History, rest: f64) -> (f64, f64) {
     let mut best = 0.0_f64;
     let mut previous_time = 0.0;
@@ -593,10 +601,10 @@ fn peak(history: &super::History, rest: f64) -> (f64, f64) {
     (best, f64::INFINITY)
 }
 
-/// Part of a velocity within which it is another one to rounding.
+/// Relative rounding of a velocity.
 const ROUND_OFF: f64 = 1e-14;
 
-/// Two segments that start with different velocities: the force at which both fans agree on the joint's velocity.
+/// Returns the fans of two segments that start with different velocities, for the force at which the velocities at the joint agree.
 fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialFan> {
     let closing = left.velocity - right.velocity;
     let carries = closing > 0.0 || left.joint == Joint::Bonded;
@@ -618,7 +626,7 @@ fn from_joint(k: usize, x: f64, left: &Segment, right: &Segment) -> Vec<InitialF
         .collect()
 }
 
-/// Largest stress of the curve, Pa; infinite if it increases without limit.
+/// Returns the largest stress of the curve, Pa; infinite if it increases without limit.
 fn strongest(curve: &Curve) -> f64 {
     match curve.beyond() {
         crate::material::Beyond::Extend if curve.ultimate().is_none() => f64::INFINITY,
@@ -626,7 +634,7 @@ fn strongest(curve: &Curve) -> f64 {
     }
 }
 
-/// The force in 0..=limit at which `velocity(force)`, never falling, reaches `target`; to the last bit by bisection.
+/// Returns the force in 0..=limit at which the non-decreasing `velocity(force)` reaches `target`; to the last bit, by bisection.
 fn joint_force(target: f64, velocity: impl Fn(f64) -> f64, limit: f64) -> f64 {
     let (low, mut high) = (0.0, if limit.is_finite() { limit } else { 1.0 });
     while limit.is_infinite() && velocity(high) < target {
@@ -658,7 +666,7 @@ mod tests {
         assert_eq!(drifting.stays_near(0.0, 3.0, 0.25), 1.25);
     }
 
-    /// -34.1 + 68.4 is not 34.3: the end had no fan, and the first cell 22 % too much strain.
+    /// -34.1 + 68.4 is not 34.3 in floating point: with an exact comparison the end would have no fan, and the first cell 22 % too much strain.
     #[test]
     fn a_velocity_holds_whatever_rounding_makes_of_its_difference_to_that_of_the_bar() {
         let history = History::constant(34.3);

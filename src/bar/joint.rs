@@ -1,23 +1,23 @@
-//! Joints: how two segments meet, and the faces that a rupture leaves. One rule for every solver.
+//! Joints between two segments, and the faces that a fracture leaves. The same rules apply in every solver.
 //!
 //! A joint is an end with a bar on both sides. As in [`super::ends`], u is the velocity of a face **into** its own bar (m/s), p the
-//! force that presses on it (N, compression positive), and each bar answers with `p = q + Y u` ([`Response`]). The gap between the
-//! faces grows at `w = u_l + u_r`; at a given w the force is ([`force_at`])
+//! force that presses on it (N, compression positive), and each bar responds with `p = q + Y u` ([`Response`]). The gap between the
+//! faces grows at the rate `w = u_l + u_r`; at a given w the force is ([`force_at`])
 //!
 //! ```text
 //! p = (Y_r q_l + Y_l q_r + Y_l Y_r w)/(Y_l + Y_r)
 //! ```
 //!
 //! - **Bonded**: w = 0, with a force of either sign.
-//! - **Contact** (Signorini's condition): gap >= 0, p >= 0, gap p = 0. Over a step dt the faces of a gap g touch if it takes a push to
-//!   bring them to one place at its end: p > 0 at `w = -g/dt`, so that the impulse p dt is that of the fraction of the step in which they
+//! - **Contact** (Signorini's condition): gap >= 0, p >= 0, gap p = 0. Over a step dt, faces with a gap g touch if a push is needed to
+//!   bring them together at the end of the step: p > 0 at `w = -g/dt`, so that the impulse p dt is that of the fraction of the step in which they
 //!   touch. Otherwise both are free, p = 0, and the gap grows at `w = -(q_l/Y_l + q_r/Y_r)` ([`free_rate`]). Momentum is exchanged
-//!   exactly. Faces that meet inside a step lose the work of p on the distance that they had still to go, which is of the first order
-//!   in the step: the solver books it with [`Contact::lose`].
-//! - **Rupture** leaves a contact that has just opened ([`Contact::broken`]).
+//!   exactly. Faces that meet within a step lose the work of p over the remaining distance, which is of first order
+//!   in the step; the solver accounts for it with [`Contact::lose`].
+//! - **Fracture** leaves a contact that has just opened ([`Contact::broken`]).
 //!
 //! Limits: a contact without a gap under pressure is bonded; one that never closes is two free ends; against a far larger impedance
-//! the face is fixed. No quotient vanishes in any of them. A solver whose bars are not linear solves its Riemann problem in place of
+//! the face is fixed. No denominator vanishes in any of these limits. A solver whose bars are nonlinear solves its Riemann problem instead of
 //! [`force_at`] and [`free_rate`].
 //!
 //! Reference: P. Wriggers, Computational Contact Mechanics, 2nd ed. (Springer, 2006).
@@ -27,26 +27,26 @@ use serde::{Deserialize, Serialize};
 use super::ends::Response;
 use super::sudden_load::SuddenLoad;
 
-/// Part of the largest force so far up to which a contact counts as over. A light striker rides along under less than that for most of a run, on
-/// grids in some steps only, and what is left of waves that cancel is less.
+/// Force, relative to the largest force so far, up to which a contact counts as ended. A light striker stays in contact under a smaller force for
+/// most of a run (on grids only in some steps), and the residues of cancelling waves are smaller.
 pub(crate) const NO_FORCE: f64 = 1e-4;
 
-/// How two segments meet.
+/// Connection of two segments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Joint {
     /// Welded: force and velocity are continuous.
     Bonded,
-    /// Touching, carries no tension; `gap` is the initial opening, m, >= 0.
+    /// In contact without tension; `gap` is the initial opening, m, >= 0.
     Contact {
         /// Initial opening, m.
         gap: f64,
     },
 }
 
-/// A joint that can open, between steps.
+/// State, between steps, of a joint that can open.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// Distance of the faces at the start, m.
+    /// Distance of the faces at t = 0, m.
     start: f64,
     gap: f64,
     open: bool,
@@ -57,62 +57,62 @@ pub struct Contact {
     sudden: Option<(SuddenLoad, f64)>,
 }
 
-/// What the faces of a joint carried so far, where a solver goes on in steps.
+/// Contact forces of a joint so far, for solvers that advance in steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pressed {
     /// Largest force, N, compression positive.
     pub peak: f64,
-    /// Start of the step in which it acted first, s.
+    /// Start of the step in which the largest force first acted, s.
     pub time_of_peak: f64,
-    /// Total time of the steps in which they pressed on each other, s.
+    /// Total duration of the steps in which the faces pressed on each other, s.
     pub duration: f64,
-    /// End of the last of them, s.
+    /// End of the last of these steps, s.
     pub pressed_until: f64,
 }
 
 impl Contact {
-    /// At a joint; none where it is bonded.
+    /// Returns the contact of a joint; `None` if it is bonded.
     pub fn new(joint: Joint) -> Option<Self> {
         let Joint::Contact { gap } = joint else { return None };
         Some(Self { start: gap, gap, open: gap > 0.0, ..Self::broken() })
     }
 
-    /// Where a bar breaks.
+    /// Returns the contact of two fracture faces.
     pub fn broken() -> Self {
         Self { start: 0.0, gap: 0.0, open: true, lost: 0.0, elapsed: 0.0, pressed: Pressed::default(), sudden: None }
     }
 
-    /// Distance of the faces, m, >= 0.
+    /// Returns the distance of the faces, m, >= 0.
     pub fn gap(&self) -> f64 {
         self.gap
     }
 
-    /// Displacement of the right face against the left one since the start, m.
+    /// Returns the displacement of the right face relative to the left one since t = 0, m.
     pub fn jump(&self) -> f64 {
         self.gap - self.start
     }
 
-    /// No force passes at present.
+    /// Returns true if no force is transmitted at present.
     pub fn is_open(&self) -> bool {
         self.open
     }
 
-    /// Energy lost by faces that met, J.
+    /// Returns the energy lost by faces that met, J.
     pub fn lost(&self) -> f64 {
         self.lost
     }
 
-    /// What the faces carried so far; forces are those of [`Self::note`].
+    /// Returns the contact forces so far, as recorded by [`Self::note`].
     pub fn pressed(&self) -> Pressed {
         self.pressed
     }
 
-    /// The faces are suddenly loaded, with this `force` (N, tension positive).
+    /// Sets a sudden load of the faces, with this `force` (N, tension positive).
     pub fn load(&mut self, load: SuddenLoad, force: f64) {
         self.sudden = Some((load, force));
     }
 
-    /// Notes the force (N) of the step that was taken, of which a peak may show no more than `most` (N).
+    /// Records the force (N) of the latest step. For the peak, it is limited to `most` (N).
     pub fn note(&mut self, dt: f64, force: f64, most: f64) {
         let time = self.elapsed - dt;
         let known = |scheme: f64| self.sudden.map_or(scheme, |(load, known)| load.blend(time, -known, scheme));
@@ -126,26 +126,27 @@ impl Contact {
         }
     }
 
-    /// The faces part that pressed on each other by this force (N) in a single step, of which [`Self::note`] has shown nothing.
+    /// Records the force (N) of a contact that lasted for a single step and is over, if [`Self::note`] has recorded no force.
     pub fn part_after(&mut self, force: f64) {
         if self.pressed.peak == 0.0 {
             (self.pressed.peak, self.pressed.time_of_peak) = (force, self.pressed.pressed_until);
         }
     }
 
-    /// The faces press on each other, by more than rounding.
+    /// Returns true if the faces press on each other, by more than rounding.
     pub fn presses(&self) -> bool {
         self.pressed.duration > 0.0 && self.pressed.pressed_until == self.elapsed
     }
 
-    /// Rate (m/s, <= 0) at which the gap is closed at the end of a step.
+    /// Returns the rate (m/s, <= 0) that closes the gap at the end of a step.
     pub fn closing_rate(&self, dt: f64) -> f64 {
         -self.gap / dt
     }
 
-    /// Takes a step in which `force` (N) goes with the [`Self::closing_rate`] and `free_rate` (m/s) with no force. True if the faces touch.
+    /// Advances by a step in which the force is `force` (N) at the [`Self::closing_rate`], and the gap grows at `free_rate` (m/s) without force.
+    /// Returns true if the faces touch.
     pub fn advance(&mut self, dt: f64, force: f64, free_rate: f64) -> bool {
-        // Both comparisons say the same but for rounding, which must not invent a force.
+        // Both comparisons are equivalent except for rounding, which must not produce a force.
         self.open = force <= 0.0 || self.gap + dt * free_rate >= 0.0;
         self.elapsed += dt;
         if self.open {
@@ -156,35 +157,36 @@ impl Contact {
         !self.open
     }
 
-    /// The same of faces without a gap at a moment: `force` (N) is that of faces that are held together; up to `round_off` is none.
+    /// Updates faces without a gap at an instant; `force` (N) is that of faces held together, and counts as zero up to `round_off`. Returns true if
+    /// the faces touch.
     pub fn press(&mut self, force: f64, round_off: f64) -> bool {
         self.open = force <= round_off;
         !self.open
     }
 
-    /// Faces apart, or about to part, for a time dt.
+    /// Opens (or closes) the gap at `rate` (m/s) for a time `dt` (s).
     pub fn widen(&mut self, dt: f64, rate: f64) {
         self.gap = (self.gap + dt * rate).max(0.0);
     }
 
-    /// The faces are in one place.
+    /// Sets the gap to zero.
     pub fn close(&mut self) {
         self.gap = 0.0;
     }
 
-    /// Books the work of `force` (N) on faces that came closer by `closer` (m) as lost.
+    /// Adds the work of `force` (N) over the approach `closer` (m) of the faces to the lost energy.
     pub fn lose(&mut self, force: f64, closer: f64) {
         self.lost += force * closer;
     }
 }
 
-/// Force between two faces (N, compression positive) whose gap grows at `rate` (m/s).
+/// Returns the force between two faces (N, compression positive) whose gap grows at `rate` (m/s).
 pub fn force_at(rate: f64, [left, right]: &[Response; 2]) -> f64 {
     let [y_left, y_right] = [left.impedance, right.impedance];
     (y_right * left.force + y_left * right.force + y_left * y_right * rate) / (y_left + y_right)
 }
 
-/// Rate at which the gap of two free faces grows, m/s.
+/// Returns the rate at which the gap of two free faces grows, m/s.
 pub fn free_rate([left, right]: &[Response; 2]) -> f64 {
     -(left.force / left.impedance + right.force / right.impedance)
 }
@@ -197,7 +199,7 @@ mod tests {
         [0, 1].map(|k| Response { force: forces[k], impedance: impedances[k] })
     }
 
-    /// Bars that press, pull or do nothing, with impedances over eight decades.
+    /// Bars that press, pull or are unloaded, with impedances over eight decades.
     fn pairs() -> impl Iterator<Item = [Response; 2]> {
         let forces = [-3.0, -0.1, 0.0, 2.0, 40.0];
         let all = forces.into_iter().flat_map(move |a| forces.map(|b| [a, b]));
@@ -210,7 +212,7 @@ mod tests {
             for rate in [-2.0, 0.0, 0.7] {
                 let force = force_at(rate, &pair);
                 let [left, right] = pair.each_ref().map(|side| side.velocity(force));
-                // Rounding is that of the velocities of the free faces.
+                // The rounding is that of the velocities of the free faces.
                 let scale = pair.iter().map(|side| (side.force / side.impedance).abs()).fold(1.0, f64::max);
                 assert!((left + right - rate).abs() <= 1e-14 * scale, "{pair:?}: {left} {right}");
                 let [a, b] = pair;

@@ -1,4 +1,4 @@
-//! The bar: segments, joints, ends and their histories; plain data, the same for every solver.
+//! The bar: segments, joints, ends and their histories, as plain data that is the same for every solver.
 
 mod ball_wave;
 mod end;
@@ -39,35 +39,35 @@ use crate::material::Material;
 /// A bar: segments from left to right.
 #[derive(Debug, Clone)]
 pub struct Bar {
-    /// At least one segment.
+    /// Segments from left to right; at least one.
     pub segments: Vec<Segment>,
-    /// False where the scene gave no area: every segment then has 1 m^2, and forces and energies are per m^2.
+    /// Whether the scene gives an area. If not, every segment has 1 m^2, and forces and energies are per m^2.
     pub area_given: bool,
 }
 
-/// A piece of the bar of one material.
+/// A segment of the bar, of one material.
 #[derive(Debug, Clone)]
 pub struct Segment {
     /// Length, m, > 0.
     pub length: f64,
-    /// Cross-section, m^2, > 0; of a tapered segment the mean along it.
+    /// Cross-sectional area, m^2, > 0; of a tapered segment the mean along it.
     pub area: f64,
-    /// How the cross-section changes along the segment; none where it does not.
+    /// Variation of the cross-section along the segment; `None` if it is uniform.
     pub taper: Option<Arc<Taper>>,
-    /// What it is made of.
+    /// Material of the segment.
     pub material: Arc<Material>,
-    /// Initial velocity, m/s, positive in +x; where it changes along the segment, that of its centre of mass.
+    /// Initial velocity, m/s, positive in +x; if it varies along the segment, that of its centre of mass.
     pub velocity: f64,
-    /// How it is joined to the next segment (meaningless on the last).
+    /// Joint to the next segment (not used for the last segment).
     pub joint: Joint,
-    /// Stress, plastic strain and temperature at t = 0; where they change along the segment, the means.
+    /// Stress, plastic strain and temperature at t = 0; if they vary along the segment, their means.
     pub initial: Initial,
-    /// How the state at t = 0 changes along the segment; none where it does not.
+    /// Variation of the state at t = 0 along the segment; `None` if it is uniform.
     pub profile: Option<Arc<InitialProfile>>,
 }
 
 impl Segment {
-    /// A uniform segment of this length (m) and area (m^2), at rest, without stress, bonded to the next.
+    /// Returns a uniform segment of this length (m) and area (m^2), at rest, without stress, bonded to the next.
     pub fn new(length: f64, area: f64, material: impl Into<Arc<Material>>) -> Self {
         Self {
             length,
@@ -81,78 +81,78 @@ impl Segment {
         }
     }
 
-    /// The same segment with an initial velocity, m/s.
+    /// Returns the segment with another initial velocity, m/s.
     #[must_use]
     pub fn with_velocity(self, velocity: f64) -> Self {
         Self { velocity, ..self }
     }
 
-    /// The same segment with another joint to the next.
+    /// Returns the segment with another joint to the next one.
     #[must_use]
     pub fn with_joint(self, joint: Joint) -> Self {
         Self { joint, ..self }
     }
 
-    /// Cross-sections at its left and right end, m^2.
+    /// Returns the cross-sections at the left and the right end, m^2.
     pub fn end_areas(&self) -> [f64; 2] {
         self.taper.as_ref().map_or([self.area; 2], |taper| [0.0, self.length].map(|x| taper.area(x)))
     }
 
-    /// Mean state at t = 0 between two places of the segment, m from its left end, from < to.
+    /// Returns the mean state at t = 0 between two positions, in m from the left end of the segment, from < to.
     pub fn initial_between(&self, from: f64, to: f64) -> Initial {
         self.profile.as_ref().map_or(self.initial, |profile| profile.mean(from, to))
     }
 
-    /// Mean velocity (m/s) at t = 0 between two places of the segment, m from its left end, from < to.
+    /// Returns the mean velocity (m/s) at t = 0 between two positions, in m from the left end of the segment, from < to.
     pub fn velocity_between(&self, from: f64, to: f64) -> f64 {
         self.profile.as_ref().map_or(self.velocity, |profile| profile.velocity.mean(from, to))
     }
 
-    /// Velocities (m/s) at t = 0 of its left and right end.
+    /// Returns the velocities (m/s) at t = 0 of the left and the right end.
     pub fn end_velocities(&self) -> [f64; 2] {
         self.profile
             .as_ref()
             .map_or([self.velocity; 2], |profile| [profile.velocity.at(0.0), profile.velocity.before(self.length)])
     }
 
-    /// Some place of it has flowed before t = 0.
+    /// Returns true if any part of the segment has flowed before t = 0.
     pub fn has_yielded(&self) -> bool {
         let along = self.profile.as_ref().map_or(0.0, |profile| profile.accumulated.largest());
         self.initial.accumulated != 0.0 || along > 0.0
     }
 
-    /// Some place of it is warmer than the material's reference temperature at t = 0.
+    /// Returns true if any part of the segment is warmer than the material's reference temperature at t = 0.
     pub fn starts_warm(&self) -> bool {
         let along = self.profile.as_ref().map_or(0.0, |profile| profile.temperature_rise.largest());
         self.initial.temperature_rise != 0.0 || along > 0.0
     }
 
-    /// Mean cross-section between two places of the segment, m from its left end, from < to; m^2.
+    /// Returns the mean cross-section between two positions, in m from the left end of the segment, from < to; m^2.
     pub fn mean_area(&self, from: f64, to: f64) -> f64 {
         self.taper.as_ref().map_or(self.area, |taper| taper.mean(from, to))
     }
 }
 
 impl Bar {
-    /// Some segment is stressed, warm or has yielded at t = 0, or moves unevenly.
+    /// Returns true if any segment is stressed, warm or has yielded at t = 0, or has a velocity that varies along it.
     pub fn has_initial_state(&self) -> bool {
         self.segments.iter().any(|segment| segment.profile.is_some() || segment.initial != Initial::default())
     }
 
-    /// It starts at rest, without stress, and its segments hold together.
+    /// Returns true if the bar starts at rest and without stress, with bonded joints only.
     pub fn starts_at_rest(&self) -> bool {
         let bonded = |k: usize| self.segments[k].joint == Joint::Bonded;
         let resting = self.segments.iter().all(|segment| segment.velocity == 0.0);
         resting && !self.has_initial_state() && (0..self.segments.len() - 1).all(bonded)
     }
 
-    /// Velocities (m/s) at t = 0 of its left and right end.
+    /// Returns the velocities (m/s) at t = 0 of the left and the right end of the bar.
     pub fn end_velocities(&self) -> [f64; 2] {
         let last = self.segments.len() - 1;
         [self.segments[0].end_velocities()[0], self.segments[last].end_velocities()[1]]
     }
 
-    /// The same bar, but that segments which are uniformly warm at t = 0 have the curves of that temperature instead.
+    /// Returns the bar with the stress-strain curves of the initial temperature for segments that are uniformly warm at t = 0.
     #[must_use]
     pub fn on_warm_curves(&self) -> Self {
         let mut bar = self.clone();
@@ -168,7 +168,8 @@ impl Bar {
         bar
     }
 
-    /// The same bar, not stressed, cold and not yielded at t = 0; velocities that change along a segment are their means.
+    /// Returns the bar without stress, temperature rise and plastic strain at t = 0; velocities that vary along a segment are replaced by their
+    /// means.
     #[must_use]
     pub fn without_initial_state(&self) -> Self {
         let mut bar = self.clone();
@@ -178,17 +179,17 @@ impl Bar {
         bar
     }
 
-    /// Total length, m.
+    /// Returns the total length, m.
     pub fn length(&self) -> f64 {
         self.segments.iter().map(|s| s.length).sum()
     }
 
-    /// Transit time of an elastic wave from end to end, s.
+    /// Returns the transit time of an elastic wave from end to end, s.
     pub fn transit_time(&self) -> f64 {
         self.transit_times().iter().sum()
     }
 
-    /// Those of its segments, s.
+    /// Returns the transit times of an elastic wave through the segments, s.
     pub fn transit_times(&self) -> Vec<f64> {
         self.segments.iter().map(|s| s.length / s.material.c0()).collect()
     }

@@ -1,16 +1,16 @@
-//! The fan of an end whose velocity or stress rises within some time steps. Its fronts are those of a jump, each of which leaves the end as the load
-//! comes to it: where none of them is a shock, later ones are slower, and none meets another.
+//! Fan of an end whose velocity or stress rises within some time steps. Its fronts are those of a jump; each of them leaves the end when the load
+//! reaches it. If none of them is a shock, later fronts are slower, and none meets another.
 
 use super::spring_wave::between;
 use super::{Driver, EndCondition, History, InitialFan};
 use crate::material::Curve;
 use crate::wave::similarity::{Edge, Fan};
 
-/// Part of its change by which a load may differ from that of its fan.
+/// Relative difference from the change of the fan up to which two loads count as equal.
 const SAME: f64 = 1e-6;
 
-/// The fan of an end that rises from the start of that of a `jump` to `until` (s), in steps of `dt` (s). None where it has shocks, and of another end or
-/// one that does more than its fan.
+/// Returns the fan of an end whose load rises from the start of the fan of a `jump` to the time `until` (s), in steps of `dt` (s). Returns `None` if
+/// the fan has shocks, if the end prescribes no history, or if the load falls or exceeds that of the fan.
 pub fn at_rising_load(jump: &InitialFan, end: &EndCondition, curve: &Curve, until: f64, dt: f64) -> Option<InitialFan> {
     let (driver, history) = match end {
         EndCondition::Velocity { history, .. } => (Driver::Velocity, history),
@@ -23,10 +23,10 @@ pub fn at_rising_load(jump: &InitialFan, end: &EndCondition, curve: &Curve, unti
     };
     let whole: f64 = jump.fan.edges.iter().map(size).sum();
     let at_end = history.before(until);
-    // What of its fan has left the end at a value of the load, from 0 to the whole.
+    // Part of the fan (in units of the load) that has left the end at a value of the load, from 0 to the whole.
     let gone = |value: f64| whole + sense * (value - at_end);
     let pieces = pieces(history, [jump.from, until], dt, gone);
-    // A start that is rounded to before a jump does not hide that the load falls in it.
+    // The course starts at 0, so that a fall of the load is detected even if rounding places the start before a jump.
     let course: Vec<f64> = std::iter::once(0.0).chain(pieces.iter().flat_map(|piece| piece.gone)).collect();
     let falls = course.windows(2).any(|pair| pair[1] < pair[0] - SAME * whole);
     if falls || gone(history.at(jump.from)) > whole || jump.fan.edges.iter().any(|edge| edge.is_shock(curve)) {
@@ -49,16 +49,16 @@ pub fn at_rising_load(jump: &InitialFan, end: &EndCondition, curve: &Curve, unti
     (!fan.edges.is_empty()).then(|| InitialFan { fan, delays, driver, sudden: false, alone: false, ..jump.clone() })
 }
 
-/// A load in a part of a time step, in which it changes steadily.
+/// A part of a time step in which the load changes linearly.
 struct Piece {
     step: usize,
-    /// From and to, s after the start.
+    /// Start and end, s after the start of the fan.
     times: [f64; 2],
-    /// What of the fan has left the end at these times.
+    /// Part of the fan that has left the end at these times.
     gone: [f64; 2],
 }
 
-/// Those of a history between two times (s).
+/// Divides a history between two times (s) into such parts.
 fn pieces(history: &History, [from, until]: [f64; 2], dt: f64, gone: impl Fn(f64) -> f64) -> Vec<Piece> {
     let first = (from / dt).floor() as usize;
     let steps = (first + 1..).map(|step| step as f64 * dt).take_while(|&end| end < until);
@@ -66,7 +66,7 @@ fn pieces(history: &History, [from, until]: [f64; 2], dt: f64, gone: impl Fn(f64
     times.extend(steps.chain([from, until]));
     times.sort_by(f64::total_cmp);
     let mut pieces = Vec::new();
-    // What it jumps by at once.
+    // The part of the fan that has left the end before a jump.
     let mut last = 0.0;
     for pair in times.windows(2) {
         let step = (0.5 * (pair[0] + pair[1]) / dt) as usize;
@@ -81,7 +81,7 @@ fn pieces(history: &History, [from, until]: [f64; 2], dt: f64, gone: impl Fn(f64
     pieces
 }
 
-/// When a load goes from one value of what has left to another in the mean over these pieces, s after the start.
+/// Returns the mean time at which the load changes from one value to another in these parts, s after the start. The values are those of `gone`.
 fn mean_time(pieces: &[Piece], [from, to]: [f64; 2]) -> f64 {
     let mut moment = 0.0;
     for Piece { times, gone, .. } in pieces {

@@ -1,23 +1,23 @@
-//! Errors of tables of rows: histories, values over x, tapers.
+//! Errors in tables of rows: histories, values over x, tapers.
 
 use crate::error::{Error, InputError};
 
-/// A rule that the rows of a table break. Its message counts rows from 1, as in files, that of the [`InputError`] it becomes from 0.
+/// A rule that a row of a table violates. The message counts rows from 1, as in files; the [`InputError`] made from it counts from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RowError {
-    /// The first row (from 0) that breaks it; none where there is no row.
+    /// First row (from 0) that violates the rule; `None` if the table has no rows.
     pub row: Option<usize>,
-    /// What is wrong, in words after "row 3"; a whole sentence where there is no row.
+    /// Violated rule, in words that follow "row 3"; a complete sentence if there is no row.
     pub rule: &'static str,
 }
 
 impl RowError {
-    /// Of a row (from 0).
+    /// Returns the error of a row (from 0).
     pub(crate) fn of(row: usize, rule: &'static str) -> Self {
         Self { row: Some(row), rule }
     }
 
-    /// The row (from 0) at which it is shown.
+    /// Returns the row (from 0) at which the error is reported.
     pub(crate) fn at(self) -> usize {
         self.row.unwrap_or(0)
     }

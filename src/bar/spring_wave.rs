@@ -1,33 +1,34 @@
-//! The wave that a stiff spring sends into a bar that moves against it, or is brought to it by a wave. The force grows from nothing, F' = k v, while the end moves with the velocity
-//! v(F), which follows from the curve as behind any wave of loading: along a line of the curve, of impedance z, v falls as exp(-k t/z), until the end is
-//! at rest.
+//! Wave emitted by a stiff spring into a bar that moves against it at t = 0, or when a wave arrives. The force grows from zero, F' = k v, while the
+//! end moves with the velocity v(F), which follows from the curve as behind any loading wave: along a line of the curve with impedance z, v falls as
+//! exp(-k t/z), until the end is at rest.
 
 use super::initial_fan::{at_ends, from_end};
 use super::{Bar, Driver, EndCondition, InitialFan, Segment};
 use crate::wave::similarity::{Edge, Fan};
 
-/// Time steps in which the force of a spring rises, Z/k with the impedance Z of the bar, from which on it overshoots by less than 0.5 % without any of
-/// this (annealed copper at 30 m/s).
+/// Rise time Z/k of the force of a spring, in time steps, with Z the impedance of the bar, above which the scheme overshoots by less than 0.5 %
+/// without the waves computed here (annealed copper at 30 m/s).
 const MOST_STEPS: f64 = 100.0;
 
-/// Part of its velocity that an end may have left as the spring counts as fully loaded.
+/// Remaining fraction of the velocity of an end at which the spring counts as fully loaded.
 const AT_REST: f64 = 1e-4;
 
-/// The waves of springs at the ends of a bar at t = 0 that rise within some steps of `dt` (s); none in a bar with an initial state.
+/// Returns the waves of springs at the ends of a bar at t = 0, if they rise within a limited number of steps of `dt` (s). Empty for a bar with an
+/// initial state.
 pub fn spring_waves(bar: &Bar, ends: [&EndCondition; 2], dt: f64) -> Vec<InitialFan> {
-    // Behind it the end is at rest, as behind the fan of a wall.
+    // Behind the wave the end is at rest, as behind the fan of a wall.
     at_ends(bar, ends, |end, place, at| at_spring(&from_end(&EndCondition::Fixed, place, at)?, end, at, dt))
 }
 
-/// The wave at the end of a segment, in steps of `dt` (s), if that is a spring, stiff and at rest so far, where a wall would send this fan. It has the
-/// same states, but begins without a force.
+/// Returns the wave at the end of a segment, in steps of `dt` (s), if the end is a spring that is stiff and so far at rest; `wall` is the fan of a
+/// rigid wall in its place. The wave has the same states, but starts without a force.
 pub fn at_spring(wall: &InitialFan, end: &EndCondition, at: &Segment, dt: f64) -> Option<InitialFan> {
     let EndCondition::Spring { stiffness } = *end else { return None };
     let mass_per_length = at.material.density * at.end_areas()[usize::from(wall.direction < 0.0)];
     let rises = |edge: &Edge| mass_per_length * edge.speed / stiffness;
     let mut whole = wall.fan.clone();
     begin_elastically(&mut whole, at.material.c0());
-    // What meets the fan of the wall meets an elastic front sooner.
+    // A wave that meets the fan of the wall meets an elastic front sooner.
     let [slower, faster] = [&wall.fan, &whole].map(|fan| fan.edges.first().map_or(1.0, |edge| edge.speed));
     let holds_until = wall.holds_until * slower / faster;
     let first = whole.edges.first_mut().filter(|edge| rises(edge) < MOST_STEPS * dt)?;
@@ -44,8 +45,9 @@ pub fn at_spring(wall: &InitialFan, end: &EndCondition, at: &Segment, dt: f64) -
     Some(InitialFan { fan, delays, holds_until, driver: Driver::Stress, sudden: false, ..wall.clone() })
 }
 
-/// A wave that comes with the yield stress is thrown back by a wall as plastic fronts alone. A spring throws it back to no stress first, from where the bar
-/// is loaded elastically: an elastic front that the wall does without.
+/// Prepends an elastic front to a fan that starts at the yield stress with plastic fronts. A wall reflects an incoming wave of the yield stress as
+/// plastic fronts alone. A spring first reflects it to zero stress, from where the bar is loaded elastically: the fan of the wall lacks this elastic
+/// front.
 fn begin_elastically(fan: &mut Fan, c0: f64) {
     let Some(first) = fan.edges.first().filter(|first| !first.is_elastic(c0) && first.stress_ahead != 0.0) else {
         return;
@@ -54,8 +56,8 @@ fn begin_elastically(fan: &mut Fan, c0: f64) {
     fan.edges.insert(0, elastic);
 }
 
-/// The fronts of a fan, cut into what leaves the end within each step, and when that does in the mean, s: the end goes as far as with a velocity that falls
-/// all the time. That falls along a front within the time `rises`, s.
+/// Divides the fronts of a fan into the parts that leave the end within each step. Returns them with the mean times at which they leave, s: the
+/// displacement of the end is that of a continuously falling velocity. Along a front the velocity falls with the time constant `rises`, s.
 fn in_steps(fan: &Fan, rises: impl Fn(&Edge) -> f64, dt: f64) -> (Vec<Edge>, Vec<f64>) {
     let (mut edges, mut delays) = (Vec::new(), Vec::new());
     let (mut time, mut velocity) = (0.0, fan.velocity);
@@ -79,7 +81,7 @@ fn in_steps(fan: &Fan, rises: impl Fn(&Edge) -> f64, dt: f64) -> (Vec<Edge>, Vec
     (edges, delays)
 }
 
-/// A part of a front.
+/// Returns a part of a front, between two fractions of it.
 pub(super) fn between(edge: &Edge, from: f64, to: f64) -> Edge {
     let at = |ahead: f64, behind: f64, part: f64| ahead + part * (behind - ahead);
     Edge {
@@ -97,7 +99,7 @@ mod tests {
     use crate::material::{Beyond, Curve};
     use crate::wave::similarity::fan_at_velocity;
 
-    /// The spring's force is its stiffness times the way of the end, all the time, however stiff it is.
+    /// The force of the spring is always its stiffness times the displacement of the end, however stiff it is.
     #[test]
     fn the_end_goes_as_far_as_the_force_compresses_the_spring() {
         let (density, area, dt) = (7850.0, 1e-4, 1e-7);
@@ -115,7 +117,7 @@ mod tests {
             let whole = area * fan.stress / stiffness;
             for step in 1..2000 {
                 let time = f64::from(step) * dt;
-                // What has left the end by the end of a step.
+                // The part of the fan that has left the end by the end of a step.
                 let stress =
                     edges.iter().zip(&delays).rev().find(|(_, delay)| **delay < time).expect("a front").0.stress_behind;
                 let error = (way(time) - area * stress / stiffness) / whole;

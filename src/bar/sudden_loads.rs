@@ -1,4 +1,4 @@
-//! Which ends and joints of a bar are suddenly loaded beyond yield.
+//! Ends and joints of a bar that are suddenly loaded beyond yield.
 
 use super::initial_fan::Driver;
 use super::sudden_load::hardly_differ;
@@ -7,14 +7,14 @@ use super::{Bar, InitialFan, Origin, SuddenLoad};
 /// The sudden loads of a bar.
 #[derive(Debug, Clone, Default)]
 pub struct SuddenLoads {
-    /// Of the left and of the right end, in order of time.
+    /// Loads of the left and of the right end, in order of time.
     pub ends: [Vec<SuddenLoad>; 2],
-    /// Joints: the segment to their left, the load, and its force (N, tension positive).
+    /// Loads of joints: the segment to the left, the load, and its force (N, tension positive).
     pub joints: Vec<(usize, SuddenLoad, f64)>,
 }
 
 impl SuddenLoads {
-    /// Of a bar with these first fans, the segments of which have cells of these lengths, m.
+    /// Computes the sudden loads of a bar from its fans; `dx` are the cell lengths of the segments, m.
     pub fn new(bar: &Bar, fans: &[InitialFan], dx: &[f64]) -> Self {
         let load = |fan: &InitialFan| behind(fan, bar, dx[fan.segment]);
         let end = |origin: Origin| fans.iter().filter(|fan| fan.origin == origin).filter_map(load).collect();
@@ -33,7 +33,8 @@ impl SuddenLoads {
         Self { ends: [end(Origin::Left), end(Origin::Right)], joints }
     }
 
-    /// The loads of a rate-dependent bar, as they are at the second of two `times` (s) after the start of each; `early` are those at the first.
+    /// Returns the loads of a rate-dependent bar at the second of two `times` (s) after the start of each, with their decay; `early` are the loads at
+    /// the first.
     #[must_use]
     pub fn fading(self, early: &Self, times: [f64; 2]) -> Self {
         let end = |side: usize| {
@@ -47,7 +48,8 @@ impl SuddenLoads {
         Self { ends: [end(0), end(1)], joints: self.joints.iter().filter_map(joint).collect() }
     }
 
-    /// A fan brings a load, which is as in a bar that takes no time to flow. Of one that rises, the fans at the `early` time tell.
+    /// Returns true if a fan brings a load that hardly differs from that of a rate-independent bar. A fan that rises gradually is compared with that
+    /// of the `early` time.
     pub fn hardly_fades(&self, fan: &InitialFan, early: &[InitialFan]) -> bool {
         if !fan.delays.is_empty() {
             let same = |other: &&InitialFan| other.origin == fan.origin && other.from == fan.from;
@@ -63,15 +65,15 @@ impl SuddenLoads {
     }
 }
 
-/// Cells that elastic waves cross until schemes come to the stress of an end that moves faster than its curve carries away. In copper with a rate
-/// their stress is 2 % too small after 12, and right after 20.
+/// Number of cells that elastic waves cross before schemes reach the stress of an end above the critical velocity. In rate-dependent copper
+/// the stress is 2 % too small after 12 cells, and correct after 20.
 const EXCEEDED_CELLS: f64 = 48.0;
 
 /// Cells that elastic waves cross while a joint shows the force just after a decaying wave has arrived: the first two steps. The cells beside the joint
 /// show a force only after the wave has decayed for some three cells.
 const FIRST_CELLS: f64 = 2.0;
 
-/// The load behind a fan, on cells of length `dx` (m); none where the segment stays elastic: grids are exact there.
+/// Returns the load behind a fan, for cells of length `dx` (m). `None` if the segment stays elastic, where grids are exact.
 fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
     let segment = &bar.segments[fan.segment];
     let (material, c0) = (&segment.material, segment.material.c0());

@@ -1,4 +1,4 @@
-//! A section that varies along a segment: a table of areas or of diameters, linear between its rows.
+//! Section that varies along a segment: a table of areas or diameters, linear between its rows.
 
 use std::f64::consts::PI;
 
@@ -6,17 +6,17 @@ use serde::Serialize;
 
 use super::{Distribution, RowError};
 
-/// What the rows of a taper give.
+/// Quantity given by the rows of a taper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Profile {
-    /// Areas, m^2: the area is straight between rows.
+    /// Areas, m^2; the area is linear between rows.
     Area,
-    /// Diameters of round sections, m: the diameter is straight between rows, a cone.
+    /// Diameters of round sections, m; the diameter is linear between rows (a cone).
     Diameter,
 }
 
-/// The section along a segment; x is measured from the segment's own left end.
+/// Section along a segment; x is measured from the left end of the segment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Taper {
     profile: Profile,
@@ -25,10 +25,10 @@ pub struct Taper {
 }
 
 impl Taper {
-    /// From rows (x in m, size in m^2 or m): at least two, x increasing from 0, sizes > 0, all finite.
+    /// Builds a taper from rows (x in m, size in m^2 or m): at least two, x increasing from 0, sizes > 0, all finite.
     ///
     /// # Errors
-    /// The first row that breaks a rule, and which rule.
+    /// Returns the first row that violates a rule, and the rule.
     pub fn new(profile: Profile, rows: &[(f64, f64)]) -> Result<Self, RowError> {
         for (i, &(x, size)) in rows.iter().enumerate() {
             if !x.is_finite() || !size.is_finite() {
@@ -51,17 +51,17 @@ impl Taper {
         Ok(Self { profile, x: rows.iter().map(|r| r.0).collect(), size: rows.iter().map(|r| r.1).collect() })
     }
 
-    /// Place of the last row, m.
+    /// Returns the position of the last row, m.
     pub fn length(&self) -> f64 {
         self.x[self.x.len() - 1]
     }
 
-    /// True where all rows give one size.
+    /// Returns true if all rows have the same size.
     pub fn is_uniform(&self) -> bool {
         self.size.iter().all(|&size| size == self.size[0])
     }
 
-    /// Area at a place, m^2; beyond the rows that of the nearest.
+    /// Returns the area at x, m^2; outside of the table, that of the nearest row.
     pub fn area(&self, x: f64) -> f64 {
         let last = self.x.len() - 1;
         let k = self.x.partition_point(|&row| row <= x).clamp(1, last) - 1;
@@ -76,7 +76,7 @@ impl Taper {
         }
     }
 
-    /// Mean area over `from..to` (m, from < to), exact: the area is a square at most, for which Simpson's rule is.
+    /// Returns the mean area over `from..to` (m, from < to). Exact, since the area is at most quadratic in x and Simpson's rule is exact for it.
     pub fn mean(&self, from: f64, to: f64) -> f64 {
         let mut volume = 0.0;
         let mut add = |a: f64, b: f64| {
@@ -91,8 +91,8 @@ impl Taper {
         volume / (to - from)
     }
 
-    /// Mean of values along it over its volume, exact: between rows their product with the area is of third degree at most, for which Simpson's rule
-    /// is, too.
+    /// Returns the volume-weighted mean of `values` along the segment. Exact, since between rows their product with the area is at most cubic in x,
+    /// for which Simpson's rule is exact, too.
     pub fn mean_of(&self, values: &Distribution) -> f64 {
         let inside = values.rows().map(|row| row.0).filter(|&x| x < self.length());
         let mut ends: Vec<f64> = self.x.iter().copied().chain(inside).collect();
@@ -108,17 +108,17 @@ impl Taper {
         sum / (self.length() * self.mean(0.0, self.length()))
     }
 
-    /// Its rows: x (m) and size (m^2 or m).
+    /// Returns the rows: x (m) and size (m^2 or m).
     pub fn rows(&self) -> impl Iterator<Item = (f64, f64)> {
         self.x.iter().copied().zip(self.size.iter().copied())
     }
 
-    /// The area goes with this power of the size.
+    /// Returns the exponent with which the area depends on the size.
     fn power(&self) -> f64 {
         if self.profile == Profile::Area { 1.0 } else { 2.0 }
     }
 
-    /// The largest |dA/dx|/A, 1/m.
+    /// Returns the largest |dA/dx|/A, 1/m.
     pub fn steepest(&self) -> f64 {
         let power = self.power();
         let pair =
@@ -126,7 +126,7 @@ impl Taper {
         self.x.windows(2).zip(self.size.windows(2)).map(pair).fold(0.0, f64::max)
     }
 
-    /// The parts in which the area only grows or only falls: their lengths, m, and the logarithms of what it grows by.
+    /// Returns, for each part in which the area is monotonic, its length, m, and the logarithm of the ratio of its end areas.
     pub fn stretches(&self) -> Vec<[f64; 2]> {
         let power = self.power();
         let rows = self.x.windows(2).zip(self.size.windows(2));
@@ -152,7 +152,7 @@ mod tests {
         assert_eq!((wedge.area(0.5), wedge.area(1.0), wedge.area(1.5), wedge.area(9.0)), (2.0, 3.0, 2.5, 2.0));
         assert!((wedge.mean(0.5, 1.5) - 2.625).abs() < 1e-15);
         assert_eq!(wedge.steepest(), 2.0);
-        // A cone of height 3 from its point, cut at 1: volume pi/12 (27 - 1) for a diameter equal to the height.
+        // A cone of height 3 from its apex, truncated at 1: volume pi/12 (27 - 1) for a diameter equal to the height.
         let cone = Taper::new(Profile::Diameter, &[(0.0, 1.0), (2.0, 3.0)]).expect("rows are right");
         let volume = PI / 12.0 * 26.0;
         assert!((2.0 * cone.mean(0.0, 2.0) - volume).abs() < 1e-14 * volume);

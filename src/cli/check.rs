@@ -22,7 +22,7 @@ pub(crate) struct Args {
     files: Vec<PathBuf>,
 }
 
-/// What a file is.
+/// Kind of a file.
 enum Kind {
     Scene,
     Material,
@@ -34,7 +34,7 @@ const OF_A_SCENE: [&str; 7] = ["striker", "bar", "left", "right", "effects", "so
 /// Keys that only a material has at its top level.
 const OF_A_MATERIAL: [&str; 4] = ["density", "curve", "modulus", "source"];
 
-/// Checks every file, whatever the others hold; the last error decides the exit code, as every other one would.
+/// Checks every file, even if others have errors. All errors but the last are printed here; the last one is returned and sets the exit code.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let mut last: Option<Error> = None;
     for file in &args.files {
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     last.map_or(Ok(()), Err)
 }
 
-/// The kind of a file, and notes on it.
+/// Checks a file and returns its kind and notes on it.
 fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
     let document = Document::read_scene(file)?;
     match kind(&document)? {

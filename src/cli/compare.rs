@@ -85,7 +85,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     output::text_beside([args.output.as_deref()], &format!("{}{written}", table(&compared, args.units)))
 }
 
-/// The names as result files, where they are.
+/// Returns the names as paths if all are result files, or `None` if none is.
 fn results(names: &[String]) -> Result<Option<Vec<PathBuf>>> {
     let count = names.iter().filter(|name| is_result(Path::new(name))).count();
     if count == 0 {
@@ -105,7 +105,7 @@ fn results(names: &[String]) -> Result<Option<Vec<PathBuf>>> {
     Ok(Some(names.iter().map(PathBuf::from).collect()))
 }
 
-/// One row a material, with the speeds of the last fronts of bars loaded to 1 % and 10 % of strain.
+/// Returns a table with one row for each material, including the speeds of the last fronts of bars loaded to strains of 1 % and 10 %.
 fn table(compared: &[Compared], units: System) -> String {
     let [density, velocity, stress] =
         [Dimension::Density, Dimension::Velocity, Dimension::Stress].map(|dimension| units.of_columns(dimension));
@@ -146,7 +146,7 @@ fn table(compared: &[Compared], units: System) -> String {
     output::table(&headings, &rows, 1, true)
 }
 
-/// One row a knot: material, strain, stress, wave speed, impact velocity; empty where there is none.
+/// Returns the curves as CSV, one row for each knot: material, strain, stress, wave speed, impact velocity; a cell without a value is empty.
 fn csv(compared: &[Compared]) -> String {
     let mut text = String::from("material,strain,stress_Pa,wave_speed_m_s,impact_velocity_m_s\n");
     let cell = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());

@@ -13,7 +13,7 @@ use crate::report::{self, plot};
 use crate::study::compare_results::{Difference, Norms, compare_results};
 use crate::units::{Dimension, System, format};
 
-/// Where the comparison goes.
+/// Outputs of the comparison.
 pub(super) struct Outputs<'a> {
     pub(super) file: Option<&'a Path>,
     pub(super) json: bool,
@@ -85,12 +85,12 @@ fn row(name: &str, units: &str, norms: Norms, at: String) -> Vec<String> {
         cells.push(if norm.value == 0.0 { "0".to_owned() } else { std::format!("{:.3e}", norm.value) });
         cells.push(norm.relative.map_or_else(|| "-".to_owned(), |r| std::format!("{:.2} %", 100.0 * r)));
     }
-    // Where nothing differs, no place is that of the largest difference.
+    // If nothing differs, there is no position of the largest difference.
     cells.push(if norms.max.value == 0.0 { "-".to_owned() } else { at });
     cells
 }
 
-/// One row a field or history: norms and where they are largest.
+/// Returns the norms of the differences of each field and history as CSV, with the position of the largest difference.
 fn csv(differences: &[Difference]) -> String {
     let mut text = String::from(
         "file,what,unit,l1,l1_relative,l2,l2_relative,max,max_relative,largest_at_x_m,largest_at_time_s\n",

@@ -53,27 +53,28 @@ pub(crate) struct Args {
     quiet: bool,
 }
 
-/// What the output file is.
+/// Format of the output file.
 enum Kind {
     Csv,
     Json,
     Picture,
 }
 
-/// Polls a child process: often at first, so that short runs are timed to a fraction of a millisecond.
+/// Shortest and longest interval at which a child process is polled. It grows from the first to the second, so that short runs are timed
+/// to a fraction of a millisecond.
 const FIRST_LOOK: Duration = Duration::from_micros(200);
 const LAST_LOOK: Duration = Duration::from_millis(5);
 
-/// Error measure of a study that names none.
+/// Default error measure.
 const USUAL_MEASURE: &str = "field";
 
-/// Ticks of the progress bar in a second of the budget.
+/// Steps of the progress bar per second of the budget.
 const TICKS: f64 = 10.0;
 
-/// Milliseconds in a second.
+/// Milliseconds per second.
 const MILLI: f64 = 1e3;
 
-/// Arguments of the library that options give.
+/// Library arguments that are set by command-line options.
 const OPTIONS: &[options::OptionOf<'static>] =
     &[("budget", "--budget", "e.g. --budget 60s or --budget \"5 min\""), ("measure", "--measure", "")];
 
@@ -122,14 +123,14 @@ fn study(args: &Args) -> Result<()> {
     Err(Error::Interrupted)
 }
 
-/// A study that was asked to stop before its first point.
+/// Remarks that a study which was interrupted before its first point keeps nothing.
 fn explain_interruption(error: &Error) {
     if matches!(error, Error::Interrupted) {
         output::remark("interrupted before the first point was measured: nothing is kept\n");
     }
 }
 
-/// The study of an impact that is not waves in a bar.
+/// Runs the study of an impact without waves in a bar.
 fn of_impact(args: &Args, scene: &ImpactScene, kind: Option<&Kind>, budget: f64) -> Result<()> {
     if args.measure.is_some() {
         let error =
@@ -212,7 +213,7 @@ fn progress_bar(silent: bool, budget: f64) -> ProgressBar {
     bar
 }
 
-/// The time of `barwave run` with these overrides, from the start of its process to its end.
+/// Measures the wall time of `barwave run` with these overrides, from the start to the end of its process; stops it after `most` s.
 fn time(scratch: &Scratch, scene: &Path, overrides: &[String], most: f64, stop: &AtomicBool) -> Whole {
     let Ok(program) = std::env::current_exe() else {
         return Whole::Failed("the path of the program is unknown".into());
@@ -247,14 +248,14 @@ fn wait(mut child: Child, started: Instant, most: f64, stop: &AtomicBool) -> Who
                 continue;
             }
         };
-        // It may have ended just now; then there is nothing to stop.
+        // The process may have ended meanwhile; an error of `kill` is then harmless.
         let _ = child.kill();
         let _ = child.wait();
         return end;
     }
 }
 
-/// One row a point.
+/// Returns the points as CSV, one row each.
 fn csv(points: &[CostPoint]) -> String {
     let mut text = String::from(
         "method,scheme,cells,front_tolerance,error,field,field_at_end,ends,gauges,residual_strain,peak_force,step_wall_s,shortest_s,\
@@ -287,7 +288,7 @@ fn csv(points: &[CostPoint]) -> String {
     text
 }
 
-/// Everything, for people.
+/// Returns all results as text.
 fn text(cost: &Cost, written: Option<&Path>) -> String {
     let head = format!(
         "{}\n\nerror: {}, against the\n  {} (uncertainty {:.1e})\n",
@@ -305,7 +306,7 @@ fn text(cost: &Cost, written: Option<&Path>) -> String {
     parts.join("\n")
 }
 
-/// One line a method.
+/// Returns the fitted orders as text, one line for each scheme.
 fn orders(cost: &Cost) -> String {
     let line = |fit: &OrderFit| {
         let (scheme, against, points) = (&fit.scheme, fit.against.replace('_', " "), fit.fitted.len());
@@ -315,7 +316,7 @@ fn orders(cost: &Cost) -> String {
     cost.order_fits.iter().map(line).collect()
 }
 
-/// Skipped points, and the conditions of the measurement.
+/// Returns what was not possible or skipped, and the conditions of the measurement.
 fn notes(cost: &Cost, written: Option<&Path>) -> String {
     let mut lines = Vec::new();
     for unable in &cost.unable {
@@ -397,7 +398,7 @@ fn bytes(count: f64) -> String {
     }
 }
 
-/// Every method's way to each tolerance, and the cheapest.
+/// Returns a table with the cheapest way to each tolerance, and the time that each scheme needs for it.
 fn cheapest_table(cost: &Cost) -> String {
     let schemes: Vec<&str> = cost.schemes().iter().map(|s| s.0).collect();
     let mut headings = vec!["error of", "cheapest"];

@@ -72,7 +72,7 @@ pub(crate) struct Args {
     units: System,
 }
 
-/// A sense of loading on the command line.
+/// Sense of loading as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum SenseArg {
     /// The bar is pulled.
@@ -90,7 +90,7 @@ impl From<SenseArg> for Sense {
     }
 }
 
-/// A row with all that was asked for about it.
+/// Row of the table with the other results requested for its material.
 #[derive(Debug, Serialize)]
 struct Studied {
     #[serde(flatten)]
@@ -99,7 +99,7 @@ struct Studied {
     scatter: Option<Uncertainty>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sensitivity: Option<Vec<Interval>>,
-    /// Null where it was asked for and there is nothing to simulate.
+    /// Null if it is requested and there is nothing to simulate.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[expect(clippy::option_option, reason = "absent, without a value, or with a value")]
     simulated: Option<Option<Confirmation>>,
@@ -108,7 +108,7 @@ struct Studied {
     apparent: Option<Option<Apparent>>,
 }
 
-/// Arguments of the library that options give.
+/// Library arguments that are set by command-line options.
 const OPTIONS: &[options::OptionOf<'static>] =
     &[("rate", "--rate", ""), ("heat", "--heat", ""), ("length", "--length", "e.g. --length \"200 mm\"")];
 
@@ -143,13 +143,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     output::text_beside([args.output.as_deref()], &tables::text(&studied, args.units, args.output.as_deref()))
 }
 
-/// Numbers of the command line that need checks.
+/// Numeric options after their checks.
 struct Checked {
     bootstrap: Bootstrap,
     length: f64,
 }
 
-/// Length of the bar where none is given, m: the gauge length of 8 in. of the classical tension-impact tests, rounded.
+/// Default length of the bar, m: the gauge length of 8 in. of the classical tension-impact tests, rounded.
 const LENGTH: f64 = 0.2;
 
 fn checked(args: &Args) -> Result<Checked> {
@@ -177,7 +177,7 @@ fn study(args: &Args, how: &Checked, material: &Material) -> Result<Studied> {
     let with = RateAndHeat { rate: args.rate, heat: args.heat };
     let beyond = args.rate || args.heat;
     Ok(Studied {
-        // First, since it may be refused.
+        // Computed first, since it may be refused.
         apparent: beyond.then(|| apparent(material, sense, with, how.length)).transpose()?,
         row: critical(material, sense),
         scatter: uncertainty(material, sense, how.bootstrap),
@@ -186,7 +186,7 @@ fn study(args: &Args, how: &Checked, material: &Material) -> Result<Studied> {
     })
 }
 
-/// One material with the mean curve of several, and their scatter.
+/// Returns a material with the mean curve of several, and their scatter.
 fn mean_of(materials: &[Material]) -> Result<Material> {
     if materials.len() < 2 {
         let error =
@@ -214,10 +214,10 @@ fn mean_of(materials: &[Material]) -> Result<Material> {
     Ok(mean)
 }
 
-/// Largest difference of the densities of one material, measured twice.
+/// Largest relative difference between two densities of the same material.
 const ONE_DENSITY: f64 = 0.01;
 
-/// Repeats are tests of one material, which has one density.
+/// Checks that repeats have the same density, since they are tests of one material.
 fn one_density(materials: &[Material]) -> Result<()> {
     let first = &materials[0];
     let differs = |m: &&Material| (m.density - first.density).abs() > ONE_DENSITY * first.density;
@@ -230,7 +230,7 @@ fn one_density(materials: &[Material]) -> Result<()> {
     Err(InputError::new(message).key("--repeats").allowed("materials of one density, within 1 %").help(help).into())
 }
 
-/// The loading of a material's test, as its file states it.
+/// Returns the loading of the test of a material, as stated in its file.
 fn loading(material: &Material) -> &'static str {
     match (material.loading, material.sense) {
         (Loading::Shear, _) => "shear",
@@ -239,7 +239,7 @@ fn loading(material: &Material) -> &'static str {
     }
 }
 
-/// Repeats are tests of one loading: the engineering curves of tension, compression and shear differ for the same metal.
+/// Checks that repeats have the same loading: the engineering curves of tension, compression and shear differ for the same metal.
 fn one_loading(materials: &[Material]) -> Result<()> {
     let first = &materials[0];
     let Some(other) = materials.iter().find(|m| loading(m) != loading(first)) else { return Ok(()) };
@@ -261,7 +261,7 @@ fn progress_bar(args: &Args, materials: usize) -> ProgressBar {
     bar
 }
 
-/// Materials by name, pattern or path, looked up from the working folder; each name once.
+/// Returns the materials with these names, patterns or paths, relative to the working folder; each name once.
 pub(super) fn load(names: &[String]) -> Result<Vec<Material>> {
     let mut all: Vec<String> = Vec::new();
     for name in names {
@@ -272,13 +272,13 @@ pub(super) fn load(names: &[String]) -> Result<Vec<Material>> {
     all.iter().map(|name| find(name)).collect()
 }
 
-/// A material of the library, of a file, or for `-` from standard input.
+/// Returns a material of the library or of a file, or for `-` the one on standard input.
 pub(super) fn find(name: &str) -> Result<Material> {
     if name == "-" { material::file::read_stdin() } else { library::find(name, Path::new("")) }
 }
 
-/// User materials first, then the built-in ones that they do not hide. A user file that is wrong is named on
-/// stderr and skipped: it must not hide the others.
+/// Returns all materials: those of the user first, then the built-in ones of other names. An invalid user file is reported on stderr and
+/// skipped, so that it does not hide the others.
 pub(super) fn all() -> Vec<Material> {
     let mut names = library::user_names(Path::new(""));
     let built_in: Vec<_> = library::names().filter(|n| !names.iter().any(|user| user == n)).map(String::from).collect();

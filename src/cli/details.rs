@@ -1,10 +1,10 @@
-//! What `--verbose` shows: the program's log, as plain lines on stderr.
+//! Output of `--verbose`: the log of the program, as plain lines on stderr.
 
 use log::{LevelFilter, Log, Metadata, Record};
 
 use super::output;
 
-/// Writes records of the program, and none of the libraries that it uses.
+/// Logger that writes the records of the program, but not those of its libraries.
 struct Details;
 
 impl Log for Details {
@@ -21,9 +21,9 @@ impl Log for Details {
     fn flush(&self) {}
 }
 
-/// Shows the log of this process from now on.
+/// Enables the log of this process.
 pub(super) fn show() {
-    // Where the process has a log already, that one goes on.
+    // If the process already has a logger, that one is kept.
     if log::set_logger(&Details).is_ok() {
         log::set_max_level(LevelFilter::Info);
     }

@@ -6,7 +6,7 @@ use crate::impact::{Line, Solution};
 use crate::record::{ImpactPlan, ImpactSummary};
 use crate::units::{System, format};
 
-/// The summary for people.
+/// Returns the summary as text.
 pub(super) fn text(s: &ImpactSummary, units: System) -> String {
     let mut lines = Lines::under(&s.scene);
     lines.add("outcome", s.solution.outcome);
@@ -17,14 +17,14 @@ pub(super) fn text(s: &ImpactSummary, units: System) -> String {
     lines.text()
 }
 
-/// The plan for people.
+/// Returns the plan as text.
 pub(super) fn plan_text(p: &ImpactPlan, units: System) -> String {
     let mut lines = Lines::under(&p.scene);
     add(&mut lines, p.method, &p.solution, units);
     lines.text()
 }
 
-/// The lines of plans and summaries.
+/// Adds the lines that plans and summaries share.
 fn add(lines: &mut Lines, method: &str, solution: &Solution, units: System) {
     lines.add("method", std::format!("{method} {}", solution.scheme));
     lines.add("equation", &solution.equation);
@@ -35,7 +35,7 @@ fn add(lines: &mut Lines, method: &str, solution: &Solution, units: System) {
     lines.extend(note_lines(&solution.warnings, units));
 }
 
-/// The text with its values in their places.
+/// Returns the text of a line with its values inserted.
 fn filled(line: &Line, units: System) -> String {
     let mut parts = line.text.split("{}");
     let mut text = parts.next().unwrap_or_default().to_owned();

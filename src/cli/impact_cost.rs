@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::output;
 use crate::study::impact_cost::{ImpactCost, ImpactOrder, ImpactPoint};
 
-/// One row a point.
+/// Returns the points as CSV, one row each.
 pub(super) fn csv(cost: &ImpactCost) -> String {
     let mut text = String::from("varied,modes,tolerance,steps,error,wall_s\n");
     for p in &cost.points {
@@ -16,7 +16,7 @@ pub(super) fn csv(cost: &ImpactCost) -> String {
     text
 }
 
-/// Everything, for people.
+/// Returns all results as text.
 pub(super) fn text(cost: &ImpactCost) -> String {
     let row = |p: &ImpactPoint| {
         vec![

@@ -7,9 +7,9 @@ use std::sync::{Arc, OnceLock};
 
 static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// Ends the program when the user interrupts a command that keeps nothing, and says so.
+/// Makes an interruption end the program with a message that nothing is kept.
 pub(super) fn nothing_kept() {
-    // A handler can only be missing where another one is set already; the command then ends as that one says.
+    // Setting a handler fails only if another one is already set; an interruption then has the effect of that handler.
     let _ = ctrlc::set_handler(|| {
         output::remark("interrupted: nothing is kept\n");
         message::show(&Error::Interrupted);
@@ -17,12 +17,12 @@ pub(super) fn nothing_kept() {
     });
 }
 
-/// A flag that is set when the user interrupts; shared by all runs of a command.
+/// Returns the flag that an interruption sets; all runs of a command share it.
 pub(super) fn flag() -> Arc<AtomicBool> {
     let stop = STOP.get_or_init(|| {
         let stop = Arc::new(AtomicBool::new(false));
         let asked = Arc::clone(&stop);
-        // A handler can only be missing where another one is set already; the command then ends as that one says.
+        // Setting a handler fails only if another one is already set; an interruption then has the effect of that handler.
         let _ = ctrlc::set_handler(move || asked.store(true, Ordering::Relaxed));
         stop
     });

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-/// The lines so far.
+/// Lines of the text.
 pub(super) struct Lines(Vec<String>);
 
 impl Lines {
@@ -15,7 +15,7 @@ impl Lines {
         self.0.push(format!("  {label:<18}{gap}{value}"));
     }
 
-    /// Lines with a layout of their own.
+    /// Appends lines that have a layout of their own.
     pub(super) fn extend(&mut self, lines: impl IntoIterator<Item = String>) {
         self.0.extend(lines);
     }

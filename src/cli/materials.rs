@@ -91,13 +91,13 @@ fn list(json: bool) -> Result<()> {
         })
         .collect();
     let headings = ["name", "rho kg/m^3", "E GPa", "elastic limit MPa", "v_c m/s", "confidence", "description"];
-    // The last two columns are text; the fifth number column ends the right-aligned ones.
+    // The last two columns are text; joined into one, they are aligned left, and the numbers right.
     let rows: Vec<_> = rows.into_iter().map(join_last_two).collect();
     let headings: Vec<_> = headings[..5].iter().copied().chain(["confidence  description"]).collect();
     output::text(&output::table(&headings, &rows, 1, true))
 }
 
-/// Two text columns as one, the first padded to its heading, "confidence".
+/// Joins the last two cells of a row, with the confidence padded to the width of its heading.
 fn join_last_two(mut row: Vec<String>) -> Vec<String> {
     let description = row.pop().unwrap_or_default();
     let confidence = row.pop().unwrap_or_default();
@@ -136,7 +136,7 @@ fn show(args: &ShowArgs) -> Result<()> {
     output::text(&describe(&material))
 }
 
-/// Members of a material that have a unit, and their names with it. Constants of rate laws have the names and units of material files.
+/// Members of a material with a unit, and their names with it. The constants of rate laws have the names and units of material files.
 const UNITS: [(&str, &str); 7] = [
     ("density", "density_kg_m3"),
     ("modulus", "modulus_Pa"),
@@ -147,7 +147,7 @@ const UNITS: [(&str, &str); 7] = [
     ("reference_temperature", "reference_temperature_K"),
 ];
 
-/// The same value with names that end in their units.
+/// Returns the value with names that end in their units.
 fn with_units(value: serde_json::Value) -> serde_json::Value {
     use serde_json::Value;
     let named = |name: String| UNITS.iter().find(|(own, _)| *own == name).map_or(name, |(_, with)| (*with).to_owned());
@@ -160,7 +160,7 @@ fn with_units(value: serde_json::Value) -> serde_json::Value {
     }
 }
 
-/// Everything about a material, for people.
+/// Returns the description of a material as text.
 fn describe(m: &Material) -> String {
     let mut lines = vec![("name", m.name.clone())];
     let mut add = |name, value: String| {
@@ -223,7 +223,7 @@ fn constants(m: &Material) -> Vec<(&'static str, String)> {
         .collect()
 }
 
-/// A strain in seven significant digits, without an exponent.
+/// Returns a strain with seven significant digits and without an exponent.
 fn strain_digits(strain: f64) -> String {
     let zeros = if strain > 0.0 { (-strain.log10()).floor().max(0.0) as usize } else { 0 };
     format!("{strain:.*}", zeros + 7)

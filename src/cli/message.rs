@@ -1,4 +1,4 @@
-//! Errors on stderr: what, where with the line of the file, the allowed range, and a help line.
+//! Error messages on stderr: what is wrong, where with the line of the file, the allowed range, and help.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use super::{options, output, settings};
 use crate::error::Error;
 use crate::error::text::{Paint, column, lines};
 
-/// Writes an error to stderr; with `--json` as an object.
+/// Writes an error to stderr, with `--json` as an object.
 pub(super) fn show(error: &Error) {
     if settings::json() {
         return output::json_note(&Failure { error: error.into() });
@@ -16,7 +16,7 @@ pub(super) fn show(error: &Error) {
     output::note(&render(error, Paint(settings::colors())));
 }
 
-/// The same of one of several files: an error without a place of its own gets its name.
+/// Writes an error in one of several files to stderr, with the name of the file.
 pub(super) fn show_of(error: &Error, file: &Path) {
     if settings::json() {
         let error = Details { input: Some(file.display().to_string()), ..error.into() };
@@ -29,7 +29,7 @@ pub(super) fn show_of(error: &Error, file: &Path) {
 /// Writes a usage error to stderr as an object.
 pub(super) fn show_usage(error: &clap::Error) {
     let text = error.render().to_string();
-    // The first paragraph: which arguments are missing stands in lines of their own.
+    // Only the first paragraph; its lines list the missing arguments.
     let lines = text.lines().take_while(|line| !line.trim().is_empty()).map(str::trim);
     let message = lines.collect::<Vec<_>>().join(" ").trim_start_matches("error: ").to_owned();
     let code = u8::try_from(error.exit_code()).unwrap_or(1);
@@ -37,19 +37,19 @@ pub(super) fn show_usage(error: &clap::Error) {
     output::json_note(&Failure { error: Details { message, help, ..Details::of_kind("usage", code) } });
 }
 
-/// An error as JSON.
+/// JSON object of an error.
 #[derive(Debug, Serialize)]
 struct Failure {
     error: Details,
 }
 
-/// What is known of an error.
+/// Properties of an error.
 #[derive(Debug, Default, Serialize)]
 struct Details {
     kind: &'static str,
     exit_code: u8,
     message: String,
-    /// Which of several files was being worked on.
+    /// File that was being processed, if there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     input: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -68,7 +68,7 @@ struct Details {
     x_m: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     help: Option<String>,
-    /// What is left behind, and how to go on.
+    /// Files that are left behind, and how to continue.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     notes: Vec<String>,
 }
@@ -119,7 +119,7 @@ impl From<&Error> for Details {
 fn render(error: &Error, paint: Paint) -> String {
     let of = |error: &Error| format!("{}: {}", paint.red("error"), lines(error, paint));
     match error {
-        // No error: the command that was interrupted has said what it leaves behind.
+        // Not an error: the interrupted command has already stated what it leaves behind.
         Error::Interrupted => String::new(),
         Error::Input(input) => of(&options::worded(input).into()),
         _ => of(error),

@@ -1,4 +1,4 @@
-//! The command line: one file per command; this file is the table of contents.
+//! The command line: one file per command, and the list of commands.
 
 mod check;
 mod compare;
@@ -39,7 +39,7 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, value_parser
 use crate::error::{InputError, Result};
 use crate::units::Quantity;
 
-/// Heading of the options that every command has: clap lists them between its own ones otherwise.
+/// Heading of the options of all commands; without it, clap lists them among the options of each command.
 const OF_ALL: &str = "Options of all commands";
 
 /// 1D elastic-plastic waves in bars: plastic wave fronts, critical impact velocity, HDF5 fields.
@@ -114,7 +114,7 @@ enum Command {
     Schema(shell::SchemaArgs),
 }
 
-/// Runs the command line of this process.
+/// Runs the command line of this process and returns its exit code.
 pub fn main() -> ExitCode {
     settings::read(std::env::args_os());
     if settings::verbose() {
@@ -134,7 +134,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Options for numbers take those with a minus sign, so that they are answered with the allowed range.
+/// Makes numeric options accept a minus sign, so that a negative value is answered with the allowed range.
 fn with_signs(command: clap::Command) -> clap::Command {
     let numbers = [ValueParser::from(value_parser!(f64)), ValueParser::from(value_parser!(Quantity))];
     let is_number = |arg: &Arg| {
@@ -144,24 +144,24 @@ fn with_signs(command: clap::Command) -> clap::Command {
     command.mut_subcommands(with_signs)
 }
 
-/// Help, the version, or a usage error.
+/// Prints help, the version, or a usage error, and returns the exit code.
 fn usage(error: &clap::Error) -> ExitCode {
     if error.use_stderr() && settings::json() {
         message::show_usage(error);
     } else {
-        // A reader that has gone away is no error.
+        // A closed pipe is not an error.
         let _ = error.print();
     }
     u8::try_from(error.exit_code()).map_or(ExitCode::FAILURE, ExitCode::from)
 }
 
-/// Most threads, and the stack that the system sets aside for each, bytes.
+/// Largest number of threads, and the stack size that the system reserves for each, bytes.
 const MOST_THREADS: usize = 1024;
 const STACK: f64 = 2.0 * 1024.0 * 1024.0;
 
 const OPTION: &str = "--threads";
 
-/// Makes the pool; `key` names who asked. 0 in the environment is as many as the machine has.
+/// Creates the thread pool; `key` is the option or variable that sets the number. In the environment variable, 0 means all processors.
 fn use_threads(key: &str, threads: usize) -> Result<()> {
     if threads > MOST_THREADS || threads == 0 && key == OPTION {
         let gib = threads as f64 * STACK / (1024.0 * 1024.0 * 1024.0);
@@ -178,7 +178,7 @@ fn use_threads(key: &str, threads: usize) -> Result<()> {
     })
 }
 
-/// The exit code of a command that has already printed its message.
+/// Runs the command. A command that has already printed its message returns a nonzero exit code instead of an error.
 fn dispatch(cli: &Cli) -> Result<u8> {
     let variable = || std::env::var("RAYON_NUM_THREADS").ok()?.trim().parse().ok().map(|n| ("RAYON_NUM_THREADS", n));
     if let Some((key, threads)) = cli.threads.map(|n| (OPTION, n)).or_else(variable) {
@@ -219,7 +219,7 @@ mod tests {
 
     use super::Cli;
 
-    /// Words of a line as a shell parts them; what is redirected is left out.
+    /// Splits a line into words as a shell does, and omits redirections.
     fn words(line: &str) -> Vec<String> {
         let (mut words, mut quote, mut word) = (Vec::new(), None, String::new());
         for c in line.chars() {
@@ -237,10 +237,10 @@ mod tests {
 
     fn check_examples(command: &clap::Command) -> usize {
         let examples = command.get_after_help().map(ToString::to_string).unwrap_or_default();
-        // As in a shell, a line that ends in a backslash goes on.
+        // As in a shell, a line that ends in a backslash continues on the next line.
         let joined = examples.replace("\\\n", "");
         let lines: Vec<&str> = joined.lines().skip(1).collect();
-        // Three dots stand for options.
+        // Three dots stand for omitted options.
         for line in lines.iter().filter(|line| !line.contains(" ... ")) {
             let parsed = Cli::try_parse_from(words(line));
             let is_help = |e: &clap::Error| e.kind() == clap::error::ErrorKind::DisplayHelp;

@@ -21,22 +21,22 @@ pub(crate) struct Args {
     kind: Kind,
 }
 
-/// Declares the kinds of files to start from: a template each, and the command to try.
+/// Declares the kinds of templates: the file of each, and the command that runs it.
 macro_rules! kinds {
     ($($(#[doc = $doc:literal])* $name:ident: $file:literal, $command:literal;)*) => {
-        /// A file to start from.
+        /// Template to start from.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
         enum Kind {
             $($(#[doc = $doc])* $name,)*
         }
 
         impl Kind {
-            /// The text, with a mark where the title goes.
+            /// Returns the text of the template, with placeholders such as that of the title.
             fn template(self) -> &'static str {
                 match self { $(Self::$name => include_str!(concat!("templates/", $file)),)* }
             }
 
-            /// What runs the file.
+            /// Returns the command that runs the file.
             fn command(self) -> &'static str {
                 match self { $(Self::$name => $command,)* }
             }
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     output::written(&wrote.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &said)
 }
 
-/// The scene of a sweep, beside it.
+/// Returns the file name of the scene of a sweep.
 fn scene_name(sweep: &Path) -> String {
     format!("{}-scene.toml", stem(sweep))
 }
@@ -105,7 +105,7 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
 }
 
-/// NAME.toml for NAME and NAME.toml.
+/// Returns NAME.toml for NAME and for NAME.toml.
 fn target(name: &Path) -> Result<PathBuf> {
     let Some(last) = name.file_name() else {
         let error = InputError::new(format!("`{}` is not a file name", name.display()));

@@ -1,4 +1,4 @@
-//! Arguments of the library as options of the command line.
+//! Translates errors of the library into the terms of the command line.
 
 use std::path::Path;
 
@@ -6,10 +6,10 @@ use crate::error::{Error, InputError, Result};
 use crate::report::plot::Format;
 use crate::scene::CHANGES;
 
-/// An argument of the library: its name there, the option (empty: none), and what the help says of it (empty: nothing).
+/// Library argument: its name, its option (or empty), and an addition to the help (or empty).
 pub(super) type OptionOf<'a> = (&'a str, &'a str, &'a str);
 
-/// An error that names an argument of the library names its option, and what that adds to the help.
+/// Replaces the library argument that an error names by its option, and appends the addition to the help.
 pub(super) fn name(error: Error, options: &[OptionOf<'_>]) -> Error {
     let Error::Input(error) = error else { return error };
     let Some((_, option, of_option)) = options.iter().find(|(argument, ..)| *argument == error.key) else {
@@ -19,10 +19,10 @@ pub(super) fn name(error: Error, options: &[OptionOf<'_>]) -> Error {
     InputError { key: (*option).to_owned(), help: help.join("; "), ..error }.into()
 }
 
-/// Words of the library in the help of an error, and those of the command line.
+/// Library terms in the help of errors, and their replacements on the command line.
 const WORDS: [(&str, &str); 1] = [("`material::library::names`", "`barwave materials`")];
 
-/// An error of the library in the words of the command line.
+/// Returns an error of the library in the terms of the command line.
 pub(super) fn worded(error: &InputError) -> InputError {
     let mut error = error.clone();
     for (library, here) in WORDS {
@@ -37,10 +37,10 @@ pub(super) fn worded(error: &InputError) -> InputError {
     error
 }
 
-/// The option of changes of keys.
+/// Option that changes keys of a scene.
 const SET: &str = "--set";
 
-/// The format of the picture that an option names.
+/// Returns the format of a picture file given by `option`.
 pub(super) fn picture(path: &Path, option: &str) -> Result<Format> {
     Format::of(path).map_err(|error| name(error, &[("path", option, &format!("e.g. {option} figure.svg"))]))
 }

@@ -1,4 +1,4 @@
-//! What commands write to stdout (plain text, aligned tables, JSON) and to stderr.
+//! Output of commands to stdout (plain text, aligned tables, JSON) and to stderr.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -29,15 +29,15 @@ pub(crate) fn bytes(bytes: &[u8]) -> Result<()> {
     }
 }
 
-/// Writes lines to stderr. Errors of writing are ignored: the exit code is unaffected.
+/// Writes text to stderr. Write errors are ignored: they do not affect the exit code.
 pub(crate) fn note(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// What was said of the error to come, for its JSON object.
+/// Remarks on an error that has not been shown yet, for its JSON object.
 static REMARKS: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// Says more of an error or an interruption that is about to be shown: lines on stderr, with `--json` members of the error's object.
+/// Adds a remark to an error or an interruption that is about to be shown: lines on stderr, or with `--json` the `notes` of the error's object.
 pub(crate) fn remark(text: &str) {
     if !settings::json() {
         return note(text);
@@ -47,30 +47,30 @@ pub(crate) fn remark(text: &str) {
     }
 }
 
-/// The remarks since the last call.
+/// Returns the remarks since the last call.
 pub(crate) fn take_remarks() -> Vec<String> {
     REMARKS.lock().map(|mut remarks| std::mem::take(&mut *remarks)).unwrap_or_default()
 }
 
-/// A path as a shell reads it.
+/// Returns a path quoted for a shell.
 pub(crate) fn shell_word(path: &Path) -> String {
     let plain = |c: char| c.is_alphanumeric() || "/._-+=,:@".contains(c);
     let shown = path.display().to_string();
     if shown.chars().all(plain) { shown } else { format!("'{}'", shown.replace('\'', "'\\''")) }
 }
 
-/// Default folder of results: `runs/out` if there is a folder `runs`, else `beside`.
+/// Returns the default folder of results: `runs/out` if there is a folder `runs`, else `beside`.
 pub(crate) fn default_folder(beside: &Path) -> PathBuf {
     if Path::new("runs").is_dir() { PathBuf::from("runs/out") } else { beside.to_owned() }
 }
 
-/// The program with its version and, where that is known, its commit.
+/// Returns the name of the program with its version and, if known, its commit.
 pub(crate) fn program() -> String {
     let revision = store::git_revision().map(|revision| format!(" ({revision})")).unwrap_or_default();
     format!("barwave {}{revision}", env!("CARGO_PKG_VERSION"))
 }
 
-/// Version of all JSON that the program prints: `schema_version`. It changes when a member is renamed or removed, or changes its meaning.
+/// Version of the layout of all JSON output, `schema_version`. It changes when a member is renamed or removed, or changes its meaning.
 pub(crate) const SCHEMA_VERSION: u32 = 1;
 
 /// A JSON object with the version of its layout.
@@ -96,7 +96,7 @@ pub(crate) fn json(value: &impl Serialize) -> Result<()> {
     bytes(json_text(value)?.as_bytes())
 }
 
-/// One JSON object and a line end.
+/// Returns one JSON object and a line end.
 pub(crate) fn json_text(value: &impl Serialize) -> Result<String> {
     Ok(serde_json::to_string_pretty(&Versioned::new(value)).map_err(failed)? + "\n")
 }
@@ -112,7 +112,7 @@ pub(crate) fn json_line(value: &impl Serialize) -> Result<()> {
     bytes((serde_json::to_string(&Versioned::new(value)).map_err(failed)? + "\n").as_bytes())
 }
 
-/// Refuses outputs that cannot be written, and two outputs on standard output, before any work is done.
+/// Checks that the outputs can be written and that at most one goes to standard output, before any work is done.
 pub(crate) fn check<'a>(json: bool, files: impl IntoIterator<Item = Option<&'a Path>>) -> Result<()> {
     let mut on_stdout = usize::from(json);
     for file in files.into_iter().flatten() {
@@ -129,7 +129,7 @@ pub(crate) fn check<'a>(json: bool, files: impl IntoIterator<Item = Option<&'a P
     Err(error.help("name a file for one of them").into())
 }
 
-/// Writes text to stdout, or to stderr if one of the outputs takes stdout.
+/// Writes text to stdout, or to stderr if one of the outputs goes to stdout.
 pub(crate) fn text_beside<'a>(files: impl IntoIterator<Item = Option<&'a Path>>, said: &str) -> Result<()> {
     if files.into_iter().flatten().any(destination::is_stdout) {
         note(said);
@@ -138,7 +138,7 @@ pub(crate) fn text_beside<'a>(files: impl IntoIterator<Item = Option<&'a Path>>,
     text(said)
 }
 
-/// Says that a file was written; nothing of standard output.
+/// Returns the message that a file was written, or `None` for standard output.
 pub(crate) fn wrote(path: &Path) -> Option<String> {
     (!destination::is_stdout(path)).then(|| format!("wrote {}", path.display()))
 }
@@ -154,28 +154,28 @@ pub(crate) fn written(paths: &[&Path], said: &str) -> Result<()> {
 
 /// Writes one JSON object as a line to stderr.
 pub(crate) fn json_note(value: &impl Serialize) {
-    // An error here is ignored.
+    // Serialization errors are ignored.
     let _ = serde_json::to_string(&Versioned::new(value)).map(|line| note(&(line + "\n")));
 }
 
-/// Whether a file has this ending; standard output passes for one.
+/// Returns true if a file has this ending or is standard output.
 pub(crate) fn has_ending(path: &Path, ending: &str) -> bool {
     destination::is_stdout(path) || path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }
 
-/// Whether a file is to be a table, by its name.
+/// Returns true if a file is a table, by its name.
 pub(crate) fn is_csv(path: &Path) -> bool {
     has_ending(path, "csv")
 }
 
-/// A number with the given digits after the point, or a dash. What rounds to zero has no sign.
+/// Returns a number with `digits` decimals, or a dash. A value that rounds to zero has no sign.
 pub(crate) fn fixed(value: Option<f64>, digits: usize) -> String {
     let text = value.map_or_else(|| "-".into(), |v| format!("{v:.digits$}"));
     let zero = text.strip_prefix('-').filter(|rest| !rest.is_empty() && rest.chars().all(|c| c == '0' || c == '.'));
     zero.map_or(text.clone(), str::to_owned)
 }
 
-/// A number of things: "1 case", "2 cases".
+/// Returns a count with its noun: "1 case", "2 cases".
 pub(crate) fn counted(count: usize, thing: &str) -> String {
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }

@@ -121,7 +121,7 @@ fn work_lines(work: &Work, units: System) -> Vec<(&'static str, String)> {
     }
 }
 
-/// To two digits: an estimate has no more.
+/// Rounds to two significant digits; an estimate is not more accurate.
 fn rounded(value: f64) -> f64 {
     let last = 10.0_f64.powf(value.log10().floor() - 1.0);
     if value > 0.0 { (value / last).round() * last } else { value }

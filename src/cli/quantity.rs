@@ -1,14 +1,14 @@
-//! Numbers with units on the command line.
+//! Parsers of quantities with units on the command line.
 
 use crate::units::{Dimension, Quantity};
 
-/// Reads a quantity in SI; a plain number is SI.
+/// Returns the SI value of a quantity; a plain number is in SI units.
 fn read(text: &str, dimension: Dimension) -> Result<f64, String> {
     let Ok(quantity) = text.parse::<Quantity>();
     quantity.si(dimension)
 }
 
-/// A reader of numbers above zero.
+/// Returns a parser of values above zero.
 pub(super) fn positive(dimension: Dimension) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match read(text, dimension)? {
         value if value > 0.0 => Ok(value),
@@ -16,7 +16,7 @@ pub(super) fn positive(dimension: Dimension) -> impl Fn(&str) -> Result<f64, Str
     }
 }
 
-/// A reader of numbers that are not negative.
+/// Returns a parser of values of at least zero.
 pub(super) fn not_negative(dimension: Dimension) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match read(text, dimension)? {
         value if value >= 0.0 => Ok(value),
@@ -24,7 +24,7 @@ pub(super) fn not_negative(dimension: Dimension) -> impl Fn(&str) -> Result<f64,
     }
 }
 
-/// A reader of any number.
+/// Returns a parser of any value.
 pub(super) fn any(dimension: Dimension) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| read(text, dimension)
 }

@@ -39,7 +39,7 @@ pub(crate) struct Args {
     units: System,
 }
 
-/// Arguments of the library that options give.
+/// Library arguments that are set by command-line options.
 const OPTIONS: &[options::OptionOf<'static>] =
     &[("size", "--size", "e.g. --size 680x480"), ("panels", "--panel", ""), ("field", "--field", "")];
 
@@ -71,7 +71,7 @@ fn write(args: &Args) -> Result<()> {
     output::written(&[&path], &format!("{}\n", path.display()))
 }
 
-/// `680x480`.
+/// Parses a size such as `680x480`.
 fn size(text: &str) -> std::result::Result<[f64; 2], String> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
     let (width, height) = text.split_once(['x', 'X', '\u{d7}']).ok_or("expected width x height in px, e.g. 680x480")?;

@@ -70,10 +70,10 @@ pub(crate) struct Args {
     units: System,
 }
 
-/// Length of the progress bar of a run that has no steps.
+/// Length of the progress bar of a run without time steps.
 const TICKS: u64 = 1000;
 
-/// Runs every scene; the exit code is the largest one.
+/// Runs every scene and returns the largest exit code.
 pub(crate) fn run(args: &Args) -> Result<u8> {
     let every = args.checkpoint.as_ref().map(interval).transpose()?;
     if let Some(path) = &args.resume {
@@ -115,11 +115,11 @@ fn one_output_each(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Runs the scene of a file, or the one stored in a result file. `outputs` are those of the scenes before.
+/// Runs the scene of a file, or the one stored in a result file. `outputs` are the result files of earlier scenes; that of this scene is added.
 fn run_file(args: &Args, file: &Path, every: Option<Duration>, outputs: &mut Vec<PathBuf>) -> Result<()> {
     if !store::is_hdf5(file) {
         let scene = Problem::read(file, &args.overrides)?;
-        // A pipe has a folder in which nothing can be written, and a number for a name.
+        // The folder of a pipe cannot be written to, and its name is a number.
         let is_pipe = !destination::is_stdout(file) && !file.is_file();
         let folder = file.parent().filter(|_| !is_pipe).unwrap_or(Path::new(""));
         let stem = is_pipe.then(|| "scene".to_owned());
@@ -133,7 +133,7 @@ fn run_file(args: &Args, file: &Path, every: Option<Duration>, outputs: &mut Vec
     let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let base = PathBuf::from(&stored.files.base).join(&document.file);
     log::info!("scene and {} files stored in {}", stored.files.texts.len(), file.display());
-    // A run that finds an effect missing reads the scene again.
+    // The stored files must be available during the run, too: it reads the scene again if it finds that an effect must be added.
     text_file::stored(stored.files, || {
         let scene = Problem::of_document(&document, &base, &overrides)?;
         run_scene(args, scene, &default_output(args, folder, Some(stem + "_rerun")), every, outputs)
@@ -166,10 +166,10 @@ fn run_scene(
     show(args, &path, |progress| run::to_checked_file(&scene, &path, every, progress))
 }
 
-/// Options of a run in progress.
+/// Callback that receives the progress of a run and can stop it.
 type OnProgress<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
 
-/// Shows how far a run is, and sums up.
+/// Runs a simulation with a progress bar and prints its summary.
 fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Result<Summary>) -> Result<()> {
     let stop = interrupt::flag();
     let bar = progress_bar(args.quiet || args.json);
@@ -199,18 +199,18 @@ fn show(args: &Args, path: &Path, simulate: impl FnOnce(OnProgress<'_>) -> Resul
     if args.quiet { Ok(()) } else { output::text(&text(&summary, args.units)) }
 }
 
-/// One object; for several scenes, one per line.
+/// Prints a summary as one JSON object, on one line if there are several scenes.
 fn print_json(args: &Args, summary: &impl serde::Serialize) -> Result<()> {
     if args.scenes.len() > 1 { output::json_line(summary) } else { output::json(summary) }
 }
 
-/// When the file was made, if there is one: a run makes its own before it begins.
+/// Returns the creation time of a file, or `None` if it does not exist. A run creates its result file before its first step.
 fn made_at(path: &Path) -> Option<SystemTime> {
     let metadata = std::fs::metadata(path).ok()?;
     metadata.created().or_else(|_| metadata.modified()).ok()
 }
 
-/// What an interrupted run leaves, if it `began`, and how it is resumed; `tried` is the last run to select its method.
+/// Returns what an interrupted run leaves if it `began`, and how to resume it; `tried` is the last run made to select its method.
 fn interrupted(args: &Args, path: &Path, began: bool, tried: Option<&str>) -> String {
     let left = match tried {
         _ if began => std::format!("interrupted: the frames so far are in {}\n", path.display()),
@@ -220,7 +220,7 @@ fn interrupted(args: &Args, path: &Path, began: bool, tried: Option<&str>) -> St
     if args.checkpoint.is_none() && args.resume.is_none() {
         return left;
     }
-    // An earlier result in the place of a run that has not begun may have a checkpoint, too.
+    // An earlier result at this path, which a run that has not begun leaves in place, may have a checkpoint, too.
     let kept = destination::resolve(path).is_ok_and(|place| store::checkpoint_path(&place).exists());
     if began && kept {
         return left + &std::format!("resume with: barwave run --resume {}\n", output::shell_word(path));
@@ -228,7 +228,7 @@ fn interrupted(args: &Args, path: &Path, began: bool, tried: Option<&str>) -> St
     left + "nothing can be resumed: the effects or the method were still being chosen\n"
 }
 
-/// A run that is resumed is that of its file.
+/// Refuses options that cannot be used with --resume, since the settings are those of the interrupted run.
 fn nothing_beside_resume(args: &Args) -> Result<()> {
     let given = [
         (!args.scenes.is_empty(), "a scene"),
@@ -244,7 +244,7 @@ fn nothing_beside_resume(args: &Args) -> Result<()> {
     Err(InputError::new(message).key("--resume").help(help).into())
 }
 
-/// Wall time between two checkpoints.
+/// Returns the wall time between two checkpoints.
 fn interval(given: &Quantity) -> Result<Duration> {
     let wrong = |message: String| {
         let error = InputError::new(message).key("--checkpoint").allowed("0 s < interval <= 1e9 s");
@@ -257,7 +257,7 @@ fn interval(given: &Quantity) -> Result<Duration> {
     }
 }
 
-/// An impact that is not waves in a bar.
+/// Runs an impact problem without waves in a bar.
 fn run_impact(args: &Args, scene: &ImpactScene, path: &Path) -> Result<()> {
     let refused = [
         (args.checkpoint.is_some(), "--checkpoint", "scene is solved in seconds and has no checkpoints"),
@@ -285,14 +285,14 @@ fn run_impact(args: &Args, scene: &ImpactScene, path: &Path) -> Result<()> {
     if args.quiet { Ok(()) } else { output::text(&super::impact::text(&summary, args.units)) }
 }
 
-/// Default result file of a scene; `stem` is the name of the scene.
+/// Returns a function from the name of a scene to its default result file; `stem`, if given, replaces the name.
 fn default_output<'a>(args: &'a Args, scene_folder: &'a Path, stem: Option<String>) -> impl Fn(&str) -> PathBuf + 'a {
     let folder = args.output_dir.clone().unwrap_or_else(|| output::default_folder(scene_folder));
     move |name| folder.join(default_name(stem.as_deref().unwrap_or(name), &args.overrides))
 }
 
-/// `a.h5` for the scene a, `a_solve.cells=2000.h5` with an override. Characters that shells or file systems treat apart become `-`; where
-/// there are such, or the name is long, a code of the overrides as typed keeps names of different runs apart.
+/// Returns `a.h5` for the scene a, and `a_solve.cells=2000.h5` with an override. Characters with a special meaning in shells or file systems
+/// become `-`. If there are any, or if the name is long, a hash of the overrides as typed keeps the names of different runs distinct.
 fn default_name(name: &str, overrides: &[String]) -> String {
     const LONGEST: usize = 100;
     let plain = |c: char| c.is_ascii_alphanumeric() || ".+-=".contains(c);
@@ -306,13 +306,13 @@ fn default_name(name: &str, overrides: &[String]) -> String {
     std::format!("{name}{suffix}.h5")
 }
 
-/// The FNV-1a hash of texts, each ended by a zero byte.
+/// Returns the FNV-1a hash of texts, each terminated by a zero byte.
 fn code(texts: &[String]) -> u32 {
     let bytes = texts.iter().flat_map(|text| text.bytes().chain(std::iter::once(0)));
     bytes.fold(0x811c_9dc5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
-/// A result file replaces only another result.
+/// Checks that the output can be written; it replaces an existing file only if that is a result file or with `force`.
 fn check_output(output: &Path, force: bool) -> Result<()> {
     if destination::is_stdout(output) {
         let message = "a result file (HDF5) cannot be written to standard output";
@@ -326,7 +326,7 @@ fn check_output(output: &Path, force: bool) -> Result<()> {
     })
 }
 
-/// A bar on stderr where that is a terminal, otherwise a hidden one.
+/// Returns a progress bar on stderr if that is a terminal, otherwise a hidden one.
 fn progress_bar(silent: bool) -> ProgressBar {
     if silent || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -339,16 +339,16 @@ fn progress_bar(silent: bool) -> ProgressBar {
     bar
 }
 
-/// Time after which a search for a method is said to be under way, s.
+/// Time after which the runs made to select a method are reported, s.
 const LONG_SEARCH: f64 = 1.0;
 
-/// A run to select the method: "leapfrog with 256 cells (estimated error 3.1e-2, tolerance 1e-3)".
+/// Describes a run made to select the method: "leapfrog with 256 cells (estimated error 3.1e-2, tolerance 1e-3)".
 fn tried_text(tried: &Tried, tolerance: f64) -> String {
     let estimate = tried.estimate.map_or_else(|| "unknown".to_owned(), |estimate| std::format!("{estimate:.1e}"));
     std::format!("{} (estimated error {estimate}, tolerance {tolerance:e})", tried.by)
 }
 
-/// Choices are written in units of a system; none where the run is to be quiet.
+/// Updates the progress bar, and reports choices in `units`. A quiet run has no `units` and reports no choices.
 fn show_progress(bar: &ProgressBar, at: &Progress, units: Option<System>) {
     if let Progress::Chosen(choice) = &at {
         if let Some(units) = units {

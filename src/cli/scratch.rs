@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use crate::destination;
 use crate::error::Result;
 
-/// It is removed with the value.
+/// Temporary folder, which is removed when this value is dropped.
 pub(super) struct Scratch(PathBuf);
 
 impl Scratch {
-    /// For a command of this name.
+    /// Creates a folder for a command of this name.
     pub fn new(command: &str) -> Result<Self> {
         let folder = std::env::temp_dir().join(format!("barwave-{command}-{}", std::process::id()));
         destination::folder_at(&folder)?;
@@ -23,7 +23,7 @@ impl Scratch {
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // What cannot be removed stays where the system keeps such things.
+        // A folder that cannot be removed remains in the temporary folder of the system.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }

@@ -1,12 +1,12 @@
 //! Options common to all commands.
 //!
-//! They are read from the command line as typed: they hold for usage errors, too, of which there are no parsed arguments.
+//! They are read from the raw command line, since they also apply to usage errors, for which there are no parsed arguments.
 
 use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
 
-/// What was asked for on the command line.
+/// Options given on the command line.
 #[derive(Debug, Clone, Copy, Default)]
 struct Settings {
     json: bool,
@@ -28,7 +28,7 @@ pub(crate) enum Color {
 
 static SETTINGS: OnceLock<Settings> = OnceLock::new();
 
-/// Keeps the options of a command line.
+/// Stores the options of a command line.
 pub(super) fn read(typed: impl Iterator<Item = OsString>) {
     // A process has one command line.
     let _ = SETTINGS.set(of(typed));
@@ -54,17 +54,17 @@ fn settings() -> Settings {
     SETTINGS.get().copied().unwrap_or_default()
 }
 
-/// Results and errors are JSON.
+/// Returns true if results and errors are written as JSON.
 pub(super) fn json() -> bool {
     settings().json
 }
 
-/// Details are shown.
+/// Returns true if details are shown.
 pub(super) fn verbose() -> bool {
     settings().verbose
 }
 
-/// Messages on stderr have colours.
+/// Returns true if messages on stderr have colours.
 pub(super) fn colors() -> bool {
     match settings().color {
         Color::Always => true,
@@ -77,7 +77,7 @@ pub(super) fn colors() -> bool {
     }
 }
 
-/// The same for the help and the usage errors of the parser.
+/// Returns the setting for the help and the usage errors of the parser.
 pub(super) fn parser_colors() -> clap::ColorChoice {
     match settings().color {
         Color::Always => clap::ColorChoice::Always,

@@ -84,7 +84,7 @@ fn try_all(cases: &[&'static HardCase], shows: bool) -> Result<Vec<Tried>> {
     Ok(tried)
 }
 
-/// One run, on one line and a line for every failed check.
+/// Returns a run as one line, followed by one line for each known deviation and each failed check.
 fn line(tried: &Tried) -> String {
     let mut text = format!("{:<44}{:<17}{}", tried.case, tried.method.name(), outcome(tried));
     if !tried.reason.is_empty() {
@@ -99,10 +99,10 @@ fn line(tried: &Tried) -> String {
     text + "\n"
 }
 
-/// Residuals below this are not distinguished: they are rounding, which depends on the processor.
+/// Residuals below this are not distinguished: they are rounding errors, which depend on the processor.
 const CLOSED: f64 = 1e-9;
 
-/// The outcome with a power of ten above the residual, and what the results on three grids differ by.
+/// Returns the outcome, a power of ten above the energy residual, and the differences between the results on three grids.
 fn outcome(tried: &Tried) -> String {
     let Some(residual) = tried.energy_residual else { return tried.outcome.clone() };
     let power = residual.max(CLOSED).log10().ceil();
@@ -132,7 +132,7 @@ const CONVERGENCE: &str = "The results converge. Of three runs, with N, 2N and 4
                            the result is exact. Where a check fails, the case states the reason.";
 const TABLE: &str = "| case | leapfrog | muscl | moc |\n|---|---|---|---|\n";
 
-/// The page of the documentation.
+/// Returns the page of the documentation.
 fn markdown(cases: &[&'static HardCase], tried: &[Tried]) -> String {
     let mut text = format!("{HEADING}\n\n{CHECKED}\n\n{VARIATION}\n\n{CONVERGENCE}\n\n{TABLE}");
     let cell = |tried: &Tried| {

@@ -8,13 +8,13 @@ use crate::record::{
 };
 use crate::units::{Dimension, System, format, in_units};
 
-/// Segments whose plastic strain is smaller on the mean are listed without a length.
+/// Relative change of length after unloading up to which the final length of a segment is not listed.
 const LEAST_STRAIN: f64 = 1e-6;
 
-/// Fronts, and ruptures, that the summary lists one by one; a curve of many knots has as many fronts.
+/// Largest number of fronts, and of ruptures, that are listed; a curve of many knots has as many fronts.
 const LISTED: usize = 12;
 
-/// The whole summary.
+/// Returns the whole summary.
 pub(super) fn text(s: &Summary, units: System) -> String {
     let mut lines = Lines::under(&s.scene);
     add_method(&mut lines, s, units);
@@ -30,7 +30,7 @@ pub(super) fn text(s: &Summary, units: System) -> String {
     lines.text()
 }
 
-/// Method and effects.
+/// Adds the outcome, automatic choices, the method and the effects.
 fn add_method(lines: &mut Lines, s: &Summary, units: System) {
     lines.add("outcome", &s.outcome);
     for choice in s.auto.iter().flatten() {
@@ -51,7 +51,7 @@ fn add_method(lines: &mut Lines, s: &Summary, units: System) {
     );
 }
 
-/// The state of the ends, and the final length of the bar.
+/// Adds the state of the ends and the final lengths of the segments.
 fn add_ends(lines: &mut Lines, s: &Summary, units: System) {
     if let Some(torsion) = &s.torsion {
         lines.add("torsion", torsion_text(torsion, units));
@@ -67,7 +67,7 @@ fn add_ends(lines: &mut Lines, s: &Summary, units: System) {
     }
 }
 
-/// Forces, contact, gauges, residual deformation: one line per group.
+/// Adds forces, contact, gauges and residual deformation, one line per group.
 fn add_figures(lines: &mut Lines, figures: &Figures, units: System) {
     for group in figures.0.iter().filter(|group| group.tells) {
         let shown = group.figures.iter().filter(|figure| !figure.phrase.is_empty());
@@ -87,7 +87,7 @@ fn add_figures(lines: &mut Lines, figures: &Figures, units: System) {
     }
 }
 
-/// Theory of the first waves, heat and rupture.
+/// Adds the elastic check, the critical velocity, the temperature rise and the ruptures.
 fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
     if let Some(check) = &s.elastic_check {
         let [found, expected] = [check.stress, check.expected].map(|stress| format(stress, Dimension::Stress, units));
@@ -96,7 +96,7 @@ fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
             .add("elastic check", std::format!("{found}, theory rho c0 v = {expected}, relative error {relative:.1e}"));
     }
     let exceeded = match s.fronts.iter().find(|front| front.origin != "interior") {
-        // Rate dependence carries strain away for a while.
+        // Rate dependence can transport strain away from the end for a while, so that the bar does not fracture there.
         _ if s.above_critical && s.outcome != "rupture" => ", exceeded",
         Some(front) if s.above_critical && front.stress_behind < 0.0 => {
             ", exceeded: the strain localizes at the loaded end"
@@ -118,7 +118,7 @@ fn add_limits(lines: &mut Lines, s: &Summary, units: System) {
     }
 }
 
-/// Accuracy of the result.
+/// Adds the residuals of the ledger, the error, and the choice of the method for a tolerance.
 fn add_accuracy(lines: &mut Lines, s: &Summary) {
     let (energy, momentum) = (s.ledger.energy_residual, s.ledger.momentum_residual);
     lines.add("ledger", std::format!("energy residual {energy:.1e}, momentum residual {momentum:.1e}"));
@@ -151,7 +151,7 @@ fn torsion_text(torsion: &TorsionSummary, units: System) -> String {
     std::format!("left {left}, right {right}; in terms of the surface (radius {radius}):")
 }
 
-/// Lengths of segments that flowed, with a label each.
+/// Returns the final lengths of the segments that have yielded, each with a label.
 fn length_lines(s: &Summary, units: System) -> Vec<(String, String)> {
     let show = |length| format(length, Dimension::Length, units);
     let text = |length: &LengthSummary| {
@@ -170,20 +170,20 @@ fn tolerance_text(choice: &ChoiceSummary) -> String {
     std::format!("{} ({} runs in all, the coarse ones included)", choice.why, runs)
 }
 
-/// Why an effect is on or off: "heat on: ...".
+/// Returns whether an effect is on or off, and why: "heat on: ...".
 pub(super) fn choice_text(choice: &AutoChoice, units: System) -> String {
     let why = in_units(&choice.why, units);
     std::format!("{} {}: {}", choice.effect, if choice.on { "on" } else { "off" }, why)
 }
 
-/// Notes below a summary or a plan.
+/// Returns the notes below a summary or a plan, one line each.
 pub(super) fn note_lines(notes: &[String], units: System) -> impl Iterator<Item = String> {
     notes.iter().map(move |note| std::format!("  note: {}", in_units(note, units)))
 }
 
-/// The critical velocity as text. For a compressed bar, nothing is printed if the data end before it.
+/// Adds the critical velocity. For a compressed bar, nothing is added if the data end before it.
 pub(super) fn add_critical(lines: &mut Lines, critical: Option<String>, fronts: &[FrontSummary]) {
-    // Fronts that load the bar from rest in tension, not reflections of compression.
+    // Fronts that load a bar at rest in tension; reflections of compression waves do not count.
     let loads = |front: &FrontSummary| front.stress_ahead >= 0.0 && front.stress_behind > front.stress_ahead;
     let pulled = fronts.iter().any(|front| front.origin != INTERIOR && loads(front));
     let none = || pulled.then(|| "not reached within the data of the curve".to_owned());
@@ -192,7 +192,7 @@ pub(super) fn add_critical(lines: &mut Lines, critical: Option<String>, fronts: 
     }
 }
 
-/// One line for the neglected effects that do not matter, and one for each that cannot be estimated. Those that matter are among the notes.
+/// Returns one line for all insignificant neglected effects, and one for each that cannot be estimated. Significant ones are among the notes.
 fn audit_lines(rows: &[AuditRow], units: System) -> Vec<String> {
     let mut lines = Vec::new();
     let (unknown, small): (Vec<&AuditRow>, Vec<&AuditRow>) =
@@ -219,7 +219,7 @@ fn rupture_text(r: &RuptureSummary, units: System) -> String {
     )
 }
 
-/// Stress (Pa), strain and velocity (m/s) of what has come to rest but for rounding.
+/// Magnitudes of stress (Pa), strain and velocity (m/s) below which a value is a rounding error and shown as zero.
 const AT_REST: [f64; 3] = [1e-6, 1e-15, 1e-12];
 
 fn end_text(end: &EndSummary, units: System) -> String {
@@ -241,7 +241,7 @@ fn front_row(front: &FrontSummary, units: System) -> Vec<String> {
     let unknown = || "-".to_owned();
     vec![
         front.origin.clone(),
-        // A compression wave into a resting bar starts from 0, not from -0.
+        // Adding zero turns -0 into 0: a compression wave into a bar at rest starts from 0.
         std::format!("{:.6}", front.strain_ahead + 0.0),
         std::format!("{:.6}", front.strain_behind + 0.0),
         format(front.stress_behind, Dimension::Stress, units),
@@ -261,7 +261,7 @@ pub(super) fn front_lines(fronts: &[FrontSummary], units: System) -> Vec<String>
     let mut narrow = wide.map(str::trim);
     narrow[wide.len() - 1] = "at x";
     let is_wide = limit >= wide.iter().map(|heading| heading.len() + 2).sum();
-    // Before a run, theory is all that is known of them.
+    // Before a run, only the theory of the fronts is known.
     let seen = fronts.iter().any(|front| front.speed_measured.is_some() || front.position.is_some());
     let columns = if seen { wide.len() } else { wide.len() - 2 };
     let row = |front| front_row(front, units).into_iter().take(columns).collect();

@@ -44,7 +44,7 @@ pub(crate) struct Args {
     quiet: bool,
 }
 
-/// Arguments of the library that options give.
+/// Library arguments that are set by command-line options.
 pub(crate) const OPTIONS: &[options::OptionOf<'static>] = &[
     ("folder", "-o", "-o names the folder"),
     ("resume", "--resume", "--resume continues a sweep, -o names the folder"),
@@ -76,7 +76,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let on_row = |row: &Row| {
         bar.inc(1);
         if args.json {
-            // A reader that has gone away does not end the sweep: the rows are in the folder.
+            // A closed pipe does not end the sweep: the rows are in the folder, too.
             let _ = output::json_line(&row.with_axes(&sweep.plan));
         }
     };
@@ -91,7 +91,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         ));
     }
     if !silent {
-        // Of a sweep without numbers to draw, the table is there all the same.
+        // The table exists even if there are no numbers to draw.
         let figure = args.plot.as_deref().filter(|_| drawn.is_ok());
         let said = summary(&finished, &folder, bar.elapsed().as_secs_f64(), figure);
         output::text_beside([figure], &said)?;
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     drawn
 }
 
-/// The figure of all rows in the folder.
+/// Draws all rows in the folder.
 fn draw(path: &Path, sweep: &Sweep, folder: &Path) -> Result<()> {
     let title = format!("Sweep {}", sweep.name);
     let figure = report::sweep::figure(&title, &sweep.plan, &sweep::rows(folder)?).ok_or_else(|| {
@@ -110,7 +110,7 @@ fn draw(path: &Path, sweep: &Sweep, folder: &Path) -> Result<()> {
     plot::save(path, &title, &figure)
 }
 
-/// Where the rows are of a sweep that was asked to stop.
+/// Remarks where the rows of an interrupted sweep are.
 pub(crate) fn explain_interruption(error: &Error, folder: &Path) {
     if matches!(error, Error::Interrupted) {
         output::remark(&format!("interrupted: the rows so far are in {}; continue with --resume\n", folder.display()));
@@ -161,7 +161,7 @@ fn summary(finished: &Finished, folder: &Path, seconds: f64, figure: Option<&Pat
     text
 }
 
-/// Cases per second; slow ones have decimals.
+/// Returns the number of cases per second, with decimals if it is below 10.
 fn rate_text(rate: f64) -> String {
     if rate < 10.0 { format!("{rate:.2}") } else { format!("{rate:.0}") }
 }

@@ -5,14 +5,14 @@ use std::io::IsTerminal;
 
 /// Smallest supported width.
 const NARROWEST: usize = 40;
-/// Narrowest column of text whose cells are wrapped beside the other columns.
+/// Smallest width to which the last column of a table is reduced by wrapping its text.
 const NARROWEST_TEXT: usize = 20;
-/// Widest label of a line, with the space behind it: what hangs below starts there.
+/// Largest indent of a value behind its label to which continuation lines are aligned.
 const WIDEST_LABEL: usize = 24;
-/// Between columns of a table.
+/// Spaces between the columns of a table.
 const GAP: usize = 2;
 
-/// Columns of stdout: `COLUMNS`, or those of the terminal; none of a file or a pipe.
+/// Returns the width of stdout in columns: `COLUMNS`, or that of the terminal; `None` for a file or a pipe.
 pub(super) fn of_stdout() -> Option<usize> {
     let stated = std::env::var("COLUMNS").ok().and_then(|columns| columns.trim().parse().ok());
     let of_terminal = || {
@@ -22,7 +22,7 @@ pub(super) fn of_stdout() -> Option<usize> {
     stated.or_else(of_terminal).map(|width: usize| width.max(NARROWEST))
 }
 
-/// Breaks lines at spaces; what follows hangs below the value of a line with a label. Single words stay whole.
+/// Breaks lines at spaces. Continuation lines are aligned with the value of a line that has a label. Single words are not broken.
 pub(super) fn wrap(text: &str, width: usize) -> String {
     let mut wrapped = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -51,7 +51,7 @@ fn wrap_line(line: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// Where the value starts of a line with a label, or a little to the right of its text.
+/// Returns the indent of continuation lines: where the value of a line with a label starts, otherwise a little to the right of the text.
 fn hanging(line: &[char]) -> usize {
     let start = line.iter().take_while(|c| **c == ' ').count();
     let gap = (start..line.len().min(WIDEST_LABEL)).find(|at| line[*at..].starts_with(&[' ', ' ']));
@@ -59,13 +59,13 @@ fn hanging(line: &[char]) -> usize {
     value.filter(|value| *value <= WIDEST_LABEL).unwrap_or(start + GAP)
 }
 
-/// Rows under their headings: the first `left` columns and the last one where `last_left` flush left, the others flush right. Where they
-/// are wider than stdout, the last column of text is wrapped, or columns stand below one another, each time with the first one.
+/// Returns rows below their headings. The first `left` columns, and the last one if `last_left`, are aligned left, the others right. If the table
+/// is wider than stdout, text in the last column is wrapped, or the columns are split into blocks, each of which starts with the first column.
 pub(crate) fn table(headings: &[&str], rows: &[Vec<String>], left: usize, last_left: bool) -> String {
     within(of_stdout().unwrap_or(usize::MAX), headings, rows, (left, last_left))
 }
 
-/// The same within a width.
+/// Returns a table as [`table`] does, within a given width.
 pub(super) fn within(
     limit: usize,
     headings: &[&str],
@@ -87,7 +87,7 @@ fn width_of(row: &[String], column: usize) -> usize {
     row.get(column).map_or(0, |cell| cell.chars().count())
 }
 
-/// Columns that stand side by side; the first one is in every block.
+/// Returns the columns of each block, whose columns are side by side; the first column is in every block.
 fn blocks(widths: &[usize], limit: usize, last_is_text: bool) -> Vec<Vec<usize>> {
     let (mut blocks, mut block, mut used) = (Vec::new(), vec![0], widths.first().copied().unwrap_or(0));
     for (column, width) in widths.iter().enumerate().skip(1) {
@@ -103,7 +103,7 @@ fn blocks(widths: &[usize], limit: usize, last_is_text: bool) -> Vec<Vec<usize>>
     blocks
 }
 
-/// A row of some columns: several lines where its last cell is wrapped.
+/// Returns a row of a block: several lines if its last cell is wrapped.
 fn lines(
     row: &[String],
     columns: &[usize],

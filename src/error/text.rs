@@ -1,10 +1,10 @@
-//! Errors as people read them: what, where with the line of the file, the allowed range, and a help line.
+//! Error messages for people: what is wrong, where (with the line of the file), the allowed range, and a help line.
 
 use std::fmt::Write as _;
 
 use super::{Error, InputError, Place};
 
-/// ANSI colours, or none.
+/// Whether text is coloured by ANSI escape codes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Paint(pub(crate) bool);
 
@@ -26,7 +26,7 @@ impl Paint {
     }
 }
 
-/// All lines of an error, each ended; those of an interruption are the caller's.
+/// Returns all lines of an error, each with its line feed. Help for an interruption is left to the caller.
 pub(crate) fn lines(error: &Error, paint: Paint) -> String {
     match error {
         Error::Input(input) => lines_of_input(input, paint),
@@ -54,7 +54,7 @@ fn help_line(help: &str, paint: Paint) -> String {
     if help.is_empty() { String::new() } else { format!("{}: {help}\n", paint.green("help")) }
 }
 
-/// Adds the place, the line, and a mark under the span; returns the width of the gutter.
+/// Appends the position, the line of the file, and a mark under the span; returns the width of the gutter.
 fn snippet(text: &mut String, place: &Place, paint: Paint) -> usize {
     let (start, end) = line_bounds(place);
     let number = place.line().to_string();
@@ -67,19 +67,19 @@ fn snippet(text: &mut String, place: &Place, paint: Paint) -> usize {
     let marked = place.text[start..stop].chars().count().saturating_sub(column).max(1);
     let (line, column) = clip(&place.text[start..end], column);
     let _ = writeln!(text, "{} {bar} {line}", paint.blue(&number));
-    // Tabs stay tabs, so that the mark stands under what it means.
+    // Tabs are kept, so that the mark is under the text that it refers to.
     let lead: String = line.chars().take(column).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
     let marked = marked.min(line.chars().count().saturating_sub(column).max(1));
     let _ = writeln!(text, "{blank}{bar} {lead}{}", paint.red(&"^".repeat(marked)));
     width
 }
 
-/// Characters before the span in its line.
+/// Returns the number of characters before the span on its line.
 pub(crate) fn column(place: &Place) -> usize {
     place.text[line_bounds(place).0..floor(&place.text, place.span.start)].chars().count()
 }
 
-/// The part of a very long line around a column, and that column in it.
+/// Returns the part of a very long line around a column, and the column within that part.
 fn clip(line: &str, column: usize) -> (String, usize) {
     const WIDEST: usize = 160;
     const BEFORE: usize = 60;
@@ -93,7 +93,7 @@ fn clip(line: &str, column: usize) -> (String, usize) {
     (format!("{lead}{part}{tail}"), column - first + lead.len())
 }
 
-/// Bytes of the line in which the span starts.
+/// Returns the byte range of the line on which the span starts.
 fn line_bounds(place: &Place) -> (usize, usize) {
     let at = floor(&place.text, place.span.start);
     let start = place.text[..at].rfind('\n').map_or(0, |i| i + 1);
@@ -101,7 +101,7 @@ fn line_bounds(place: &Place) -> (usize, usize) {
     (start, end)
 }
 
-/// The nearest character boundary at or before a byte.
+/// Returns the nearest character boundary at or before a byte.
 fn floor(text: &str, at: usize) -> usize {
     let mut at = at.min(text.len());
     while !text.is_char_boundary(at) {

@@ -1,4 +1,4 @@
-//! What the members of an impact may be: scenes are checked where they are read, impacts put together in a program here.
+//! Checks of the members of an impact. Scenes are checked where they are read, impacts constructed in a program here.
 
 use super::solid::{Elastic, Solid};
 use crate::error::InputError;
@@ -9,12 +9,12 @@ use crate::units::Dimension;
 /// Tolerances of an integration, 1e-12 to 0.01, in scenes and in programs: smaller ones are below round-off.
 pub(crate) type Tolerances = Within<1, 10_000_000_000, 1_000_000_000_000>;
 
-/// The tolerance of an integration.
+/// Checks the tolerance of an integration.
 pub(super) fn tolerance(value: f64) -> Checked {
     member("tolerance", value, Dimension::None, Tolerances::ALLOWED)
 }
 
-/// Velocities (m/s) with which a striker meets another body, in the member of this name.
+/// Checks the velocities (m/s) of a striker and a struck body; `name` is the member that holds the velocity of the striker.
 pub(super) fn meet(name: &str, striker: f64, struck: f64) -> Checked {
     let range = Dimension::Velocity.magnitudes();
     if range.most >= striker.abs() && range.most >= struck.abs() && striker - struck >= range.least {
@@ -30,7 +30,7 @@ pub(super) fn meet(name: &str, striker: f64, struck: f64) -> Checked {
 }
 
 impl Elastic {
-    /// Of the body of this name; `density` is needed.
+    /// Checks the constants of the body of this name; the density must be known if `density` is true.
     pub(super) fn check(&self, name: &str, density: bool) -> Checked {
         let of = |member: &str| format!("{name}.{member}");
         positive_or_infinite(&of("modulus"), self.modulus, Dimension::Stress)?;
@@ -41,7 +41,7 @@ impl Elastic {
         self.yield_stress.map_or(Ok(()), |stress| positive([(&of("yield_stress"), stress, Dimension::Stress)]))
     }
 
-    /// The same of a body that bends.
+    /// Checks the constants of a body that bends: its density is known, and it is not rigid.
     pub(super) fn check_of_struck(&self, name: &str) -> Checked {
         self.check(name, true)?;
         positive([(&format!("{name}.modulus"), self.modulus, Dimension::Stress)])
@@ -49,14 +49,14 @@ impl Elastic {
 }
 
 impl Solid {
-    /// Of the body of this name.
+    /// Checks the body of this name.
     pub(super) fn check(&self, name: &str) -> Checked {
         positive_or_infinite(&format!("{name}.radius"), self.radius, Dimension::Length)?;
         positive_or_infinite(&format!("{name}.mass"), self.mass, Dimension::Mass)?;
         self.elastic.check(&format!("{name}.elastic"), false)
     }
 
-    /// Of a sphere that strikes a body at this velocity, m/s.
+    /// Checks a sphere that strikes a body with the velocity `struck`, m/s.
     pub(super) fn check_of_striker(&self, name: &str, struck: f64) -> Checked {
         self.check(name)?;
         let (radius, mass) = (format!("{name}.radius"), format!("{name}.mass"));

@@ -1,6 +1,6 @@
-//! The two free motions of a damped oscillator, from underdamped to overdamped.
+//! The two free motions of a damped oscillator, underdamped or overdamped.
 
-/// `e^(-delta t) cos(nu t)` and `e^(-delta t) sin(nu t)/nu` with `nu^2 = omega^2 - delta^2`; above critical damping cosh and sinh.
+/// Returns `e^(-delta t) cos(nu t)` and `e^(-delta t) sin(nu t)/nu` with `nu^2 = omega^2 - delta^2`; above critical damping cosh and sinh.
 pub(super) fn decay(omega: f64, delta: f64, t: f64) -> [f64; 2] {
     let nu2 = (omega - delta) * (omega + delta);
     let x = nu2 * t * t;

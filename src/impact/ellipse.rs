@@ -1,34 +1,34 @@
-//! The area of contact of two bodies, an ellipse where their curvatures differ between two directions.
+//! The area of contact of two bodies: an ellipse if their relative curvatures differ in two directions.
 
 use std::f64::consts::PI;
 
 use crate::bar::Hertz;
 use crate::root::bisect;
 
-/// Hertz's contact of bodies with two relative radii of curvature: the force grows with the power 3/2 of the approach as on a circle.
-/// Elastic bodies, frictionless, contact small against both radii. K. L. Johnson, Contact Mechanics (1985), section 4.2.
+/// Hertz's contact of bodies with two relative radii of curvature. The force grows with the power 3/2 of the approach, as for a circle. The bodies
+/// are elastic and frictionless, and the contact is small compared with both radii. K. L. Johnson, Contact Mechanics (1985), section 4.2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ellipse {
-    /// The law: that of the ball on a flat which is as stiff.
+    /// Hertz's law of the ball on a flat with the same stiffness.
     pub law: Hertz,
     /// Relative radii of curvature, m, the larger first.
     pub radii: [f64; 2],
-    /// Squares of the semi-axes over the approach, m, in the directions of the radii.
+    /// Squares of the semi-axes in the directions of the radii, divided by the approach, m.
     squares: [f64; 2],
 }
 
 impl Ellipse {
-    /// Of a ball and a flat, or of two balls.
+    /// Creates the contact of a ball and a flat, or of two balls.
     pub fn circle(law: Hertz) -> Self {
         Self { law, radii: [law.radius; 2], squares: [law.radius; 2] }
     }
 
-    /// Of two relative radii of curvature, m, the larger first; `sides` as for [`Hertz::new`].
+    /// Creates the contact of bodies with two relative radii of curvature, m, the larger first; `sides` as for [`Hertz::new`].
     pub fn new(radii: [f64; 2], sides: [(f64, f64); 2]) -> Self {
         let mean = (radii[0] * radii[1]).sqrt();
         let q = axes_ratio(radii[0] / radii[1]);
         let [b, d] = integrals(q);
-        // F1 and F2 of (4.26): both semi-axes and the approach under a force, over those of a circle with the mean radius.
+        // F1 and F2 of (4.26): mean semi-axis and approach under a force, relative to those of a circle with the mean radius.
         let size = (4.0 / PI * (q * b * d).sqrt()).cbrt();
         let approach = 2.0 / PI * q.sqrt() * (b + d) / size;
         let law = Hertz::new(mean * approach.powi(-3), sides);
@@ -36,22 +36,22 @@ impl Ellipse {
         Self { law, radii, squares: [square / q, square * q] }
     }
 
-    /// The area is a circle.
+    /// Whether the area is a circle.
     pub fn is_circle(&self) -> bool {
         self.squares[0] == self.squares[1]
     }
 
-    /// At an approach, in the directions of the radii, m.
+    /// Returns the semi-axes at an approach, in the directions of the radii, m.
     pub fn semi_axes(&self, approach: f64) -> [f64; 2] {
         self.squares.map(|square| (square * approach.max(0.0)).sqrt())
     }
 
-    /// Radius of the circle with the area of the contact at an approach, m.
+    /// Returns the radius of the circle with the area of the contact at an approach, m.
     pub fn mean_radius(&self, approach: f64) -> f64 {
         (self.mean_square() * approach.max(0.0)).sqrt()
     }
 
-    /// Largest pressure at an approach, Pa: 3/2 of the mean.
+    /// Returns the largest pressure at an approach, Pa: 3/2 of the mean pressure.
     pub fn pressure(&self, approach: f64) -> f64 {
         let circle = 2.0 * self.law.modulus / PI * (approach.max(0.0) / self.law.radius).sqrt();
         circle * self.law.radius / self.mean_square()
@@ -62,23 +62,23 @@ impl Ellipse {
     }
 }
 
-/// Minor over major axis of the ellipse from the ratio of the radii, >= 1: (4.28), R'/R'' = B/(q^2 D).
+/// Returns the ratio of the minor to the major axis of the ellipse for a ratio of the radii >= 1: (4.28), R'/R'' = B/(q^2 D).
 fn axes_ratio(radii: f64) -> f64 {
     let ratio = |logarithm: f64| {
         let q = (-logarithm).exp();
         let [b, d] = integrals(q);
         b / (q * q * d)
     };
-    // The axes differ less than the radii.
+    // The axes differ by a smaller factor than the radii.
     (-bisect([0.0, radii.max(1.0).ln()], 0.0, |logarithm| ratio(logarithm) < radii)).exp()
 }
 
-/// The complete elliptic integrals B and D of the complementary modulus q, 0 < q <= 1: those of cos^2 and sin^2 over
-/// sqrt(cos^2 + q^2 sin^2) from 0 to pi/2. K = B + D and E = B + q^2 D; by the arithmetic-geometric mean, without differences of K and E.
+/// Returns the complete elliptic integrals B and D for the complementary modulus q, 0 < q <= 1: the integrals of cos^2 and sin^2 over sqrt(cos^2 +
+/// q^2 sin^2) from 0 to pi/2, with K = B + D and E = B + q^2 D. The arithmetic-geometric mean avoids differences of K and E.
 fn integrals(q: f64) -> [f64; 2] {
     let modulus = (1.0 - q) * (1.0 + q);
     let (mut mean, mut other) = (1.0, q);
-    // Squares of half the differences of the means over the first of them, with the weights 2^(n-1).
+    // Squares of half the difference of the two means, relative to the initial 1 - q^2, and their weights 2^(n-1).
     let (mut square, mut weight, mut sum) = (1.0, 0.5, 0.5);
     while weight * square > 1e-17 * sum {
         (mean, other) = (0.5 * (mean + other), (mean * other).sqrt());

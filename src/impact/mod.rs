@@ -34,7 +34,7 @@ pub use spheres::{Spheres, velocities_after, velocity_before};
 use crate::error::InputError;
 use crate::units::{self, Dimension, format};
 
-/// Told how much is done, 0 to 1; breaks off an integration.
+/// Callback that receives the progress, 0 to 1, and can interrupt an integration.
 pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 
 /// An impact of any kind: put together from its public type, or read from a scene.
@@ -60,19 +60,19 @@ pub trait Problem: Debug + Send + Sync {
         self.kind()
     }
 
-    /// Refuses members out of the ranges that are given with them.
+    /// Checks that the members are within their documented ranges.
     ///
     /// # Errors
-    /// The first that is, by its name.
+    /// The first member out of its range, by its name.
     fn check(&self) -> Result<(), InputError>;
 
-    /// What is known without an integration, of members in their ranges.
+    /// Returns the results that need no integration; the members are within their ranges.
     fn planned(&self) -> Solution;
 
-    /// The result, of members in their ranges; where `watch` breaks off, that so far, with the outcome "interrupted".
+    /// Returns the result; the members are within their ranges. If `watch` breaks, the result so far, with the outcome "interrupted".
     fn solved(&self, watch: Watch<'_>) -> Solution;
 
-    /// What is known without an integration.
+    /// Checks the members and returns the results that need no integration.
     ///
     /// # Errors
     /// As for [`Problem::check`].
@@ -80,7 +80,7 @@ pub trait Problem: Debug + Send + Sync {
         self.check().map(|()| self.planned())
     }
 
-    /// The result; where `watch` breaks off, that so far, with the outcome "interrupted".
+    /// Checks the members and returns the result; if `watch` breaks, the result so far, with the outcome "interrupted".
     ///
     /// # Errors
     /// As for [`Problem::check`].
@@ -88,25 +88,25 @@ pub trait Problem: Debug + Send + Sync {
         self.check().map(|()| self.solved(watch))
     }
 
-    /// The parameters that decide how accurate the result is; none of a closed form.
+    /// Returns the parameters that determine the accuracy of the result; `None` for a closed form.
     fn numerics(&self) -> Option<Numerics> {
         None
     }
 
-    /// The same with others, and without histories of what the contact does not need.
+    /// Returns the same impact with other numerical parameters, and without histories that the contact does not need.
     fn with(&self, numerics: Numerics) -> Box<dyn Problem>;
 }
 
 /// Numerical parameters of an impact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Numerics {
-    /// Modes of the struck body; none where it has no modes.
+    /// Number of modes of the struck body; `None` if it has no modes or the tolerance determines their number.
     pub modes: Option<usize>,
-    /// Largest defect of Hertz's law between the nodes of a step, relative to the largest force.
+    /// Largest defect of Hertz's law between the nodes of a step, relative to the largest force; for a beam, the tolerance of its results.
     pub tolerance: f64,
 }
 
-/// Adds the outcome, the largest residual of the ledger's last column, and the number of steps.
+/// Adds the outcome, the largest residual of the energy ledger, and the number of steps.
 fn account(solution: &mut Solution, ledger: &Table, history: &History) {
     if history.interrupted {
         solution.outcome = Solution::INTERRUPTED;

@@ -1,18 +1,18 @@
-//! A linear degree of freedom under a force that is a polynomial of time over a step: its motion is exact for any step.
+//! A linear degree of freedom under a force that is a polynomial in time over a step. Its motion is exact for any step.
 
 use super::decay::decay;
 
-/// Powers of time, 0 to 3, of the force over a step.
+/// Number of coefficients of the force over a step: powers 0 to 3 of time.
 pub(super) const TERMS: usize = 4;
 
-/// q'' + 2 delta q' + omega^2 q = shape F/mass. Its share of the displacement at the contact is shape q.
+/// An oscillator q'' + 2 delta q' + omega^2 q = shape F/mass. Its contribution to the displacement at the contact is shape times q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator {
     /// Modal mass, kg, > 0.
     pub mass: f64,
-    /// Undamped angular frequency, rad/s, >= 0; 0: a free mass.
+    /// Undamped angular frequency, rad/s, >= 0; 0 for a free mass.
     pub omega: f64,
-    /// Damping number delta, 1/s, >= 0; above `omega` the motion is aperiodic.
+    /// Damping number delta, 1/s, >= 0; above `omega` the motion is overdamped.
     pub delta: f64,
     /// Mode shape at the contact.
     pub shape: f64,
@@ -22,32 +22,32 @@ pub struct Oscillator {
     pub v: f64,
 }
 
-/// g'(t), g(t) and the repeated integrals of g, where g answers a unit impulse on a unit mass at rest.
+/// g'(t), g(t) and the repeated integrals of g, where g is the response of a unit mass at rest to a unit impulse.
 pub(super) type Kernel = [f64; 2 + TERMS];
 
 impl Oscillator {
-    /// At rest.
+    /// Creates an oscillator at rest.
     pub fn new(mass: f64, [omega, delta]: [f64; 2], shape: f64) -> Self {
         Self { mass, omega, delta, shape, q: 0.0, v: 0.0 }
     }
 
-    /// Kinetic and elastic energy, J.
+    /// Returns the kinetic and elastic energy, J.
     pub fn energy(&self) -> f64 {
         0.5 * self.mass * (self.v * self.v + self.omega * self.omega * self.q * self.q)
     }
 
-    /// Bound of |q| in free motion from here on: damping only lowers the energy.
+    /// Returns a bound of |q| in the free motion that follows: damping only reduces the energy.
     pub(super) fn amplitude(&self) -> f64 {
         self.q.hypot(self.v / self.omega)
     }
 
-    /// Bounds of |q| and |v| in free motion from here on.
+    /// Returns bounds of |q| and |v| in the free motion that follows.
     pub(super) fn swing(&self) -> Self {
         let q = self.amplitude();
         Self { q, v: self.omega * q, ..*self }
     }
 
-    /// In free motion a time t >= 0 later.
+    /// Returns the oscillator after a time t >= 0 of free motion.
     pub(super) fn after(&self, t: f64) -> Self {
         let mut then = *self;
         if self.q != 0.0 || self.v != 0.0 {
@@ -57,14 +57,14 @@ impl Oscillator {
         then
     }
 
-    /// Bounds of the magnitudes of q'' and v'' in free motion from here on.
+    /// Returns bounds of |q''| and |v''| in the free motion that follows, in place of q and v.
     pub(super) fn bend(&self) -> Self {
         let [q, v] = if self.is_aperiodic() {
             let [slow, fast] = self.exponents();
             let parts = [(self.v + fast * self.q, slow), (self.v + slow * self.q, fast)];
             [2, 3].map(|power| parts.iter().map(|(a, rate)| a.abs() * rate.powi(power)).sum::<f64>() / (fast - slow))
         } else {
-            // The energy only falls, and q' obeys the equation of q.
+            // The energy cannot grow, and q' obeys the same equation as q.
             let (stiffness, damping) = (self.omega * self.omega, 2.0 * self.delta);
             let speed = (self.v * self.v + stiffness * self.q * self.q).sqrt();
             let acceleration = (stiffness + damping * damping).sqrt() * speed;
@@ -73,23 +73,23 @@ impl Oscillator {
         Self { q, v, ..*self }
     }
 
-    /// Two real exponents, well apart.
+    /// Whether the motion is overdamped with two well separated exponents.
     fn is_aperiodic(&self) -> bool {
         self.delta > 1.2 * self.omega
     }
 
-    /// Minus the two exponents of aperiodic motion, 1/s.
+    /// Returns minus the two exponents of overdamped motion, the smaller one first, 1/s.
     fn exponents(&self) -> [f64; 2] {
         let fast = self.delta + ((self.delta - self.omega) * (self.delta + self.omega)).sqrt();
         [self.omega * self.omega / fast, fast]
     }
 
-    /// Displacement after the time of a kernel without a force.
+    /// Returns the displacement after the time of a kernel without a force.
     pub(super) fn coasted(&self, kernel: &Kernel) -> f64 {
         self.q * (kernel[0] + 2.0 * self.delta * kernel[1]) + self.v * kernel[1]
     }
 
-    /// Moves on by the time of `kernel`; `terms` are the factors of s^k/k! in the force.
+    /// Advances by the time of `kernel`; `terms` are the factors of s^k/k! in the force.
     pub(super) fn advance(&mut self, kernel: &Kernel, terms: &[f64; TERMS]) {
         let sum = |first: usize| terms.iter().zip(&kernel[first..]).map(|(f, g)| f * g).sum::<f64>();
         let push = self.shape / self.mass;
@@ -98,7 +98,7 @@ impl Oscillator {
         self.q = q;
     }
 
-    /// The kernel at a time t >= 0.
+    /// Returns the kernel at a time t >= 0.
     pub(super) fn kernel(&self, t: f64) -> Kernel {
         let (x, y) = (self.omega * t, 2.0 * self.delta * t);
         if x.max(y) < 1.5 {
@@ -111,7 +111,7 @@ impl Oscillator {
         let (omega2, damping) = (self.omega * self.omega, 2.0 * self.delta);
         let mut kernel = [cosine - self.delta * sine, sine, 0.0, 0.0, 0.0, 0.0];
         let mut power = 1.0;
-        // omega^2 G_k = t^k/k! - G_(k-2) - 2 delta G_(k-1), from the equation of motion.
+        // From the equation of motion: omega^2 G_k = t^k/k! - G_(k-2) - 2 delta G_(k-1).
         for k in 0..TERMS {
             kernel[k + 2] = (power - kernel[k] - damping * kernel[k + 1]) / omega2;
             power *= t / (k + 1) as f64;
@@ -133,7 +133,7 @@ impl Oscillator {
     }
 }
 
-/// The kernel of small omega t = x and 2 delta t = y from its power series.
+/// Returns the kernel for small omega t = x and 2 delta t = y from its power series.
 fn series(x: f64, y: f64, t: f64) -> Kernel {
     const MOST: usize = 40;
     let mut kernel = [0.0; 2 + TERMS];
@@ -159,7 +159,7 @@ fn series(x: f64, y: f64, t: f64) -> Kernel {
     kernel
 }
 
-/// `phi_0 = e^z` and `phi_(k+1)(z) = (phi_k(z) - 1/k!)/z`, for z <= 0.
+/// Returns `phi_0 = e^z` and `phi_(k+1)(z) = (phi_k(z) - 1/k!)/z` for z <= 0.
 fn phi(z: f64) -> [f64; TERMS + 1] {
     let mut values = [z.exp(), 0.0, 0.0, 0.0, 0.0];
     let mut factorial = 1.0;

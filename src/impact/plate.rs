@@ -1,4 +1,4 @@
-//! A sphere that strikes an infinite elastic plate: the coefficient of restitution of the handbook, and the integrated contact.
+//! Impact of a sphere on an infinite elastic plate: the coefficient of restitution of the handbook, and the integrated contact.
 
 use std::f64::consts::PI;
 
@@ -13,65 +13,66 @@ use crate::bar::Hertz;
 use crate::input::{Checked, positive};
 use crate::units::Dimension::{self, Force, Length, None as Plain, Time, Velocity};
 
-/// The coefficient of restitution tends to this part of lambda^-5, within 0.1 % from lambda = 3 on (by integration).
+/// The coefficient of restitution tends to this factor times lambda^-5; by integration, the difference is below 0.1 % for lambda >= 3.
 const REBOUND: f64 = 0.6793;
-/// Coefficient of restitution below which nothing is seen of a rebound.
+/// Coefficient of restitution below which a rebound is not noticeable.
 const LEAST_REBOUND: f64 = 1e-6;
-/// Disturbed radius over thickness, below which thin-plate theory gives too little radiated energy, and below which it says nothing.
+/// Disturbed radius over thickness below which thin-plate theory underestimates the radiated energy.
 const LEAST_SPREAD: f64 = 3.0;
+/// Disturbed radius over thickness below which thin-plate theory does not apply.
 const NO_PLATE: f64 = 1.0;
-/// Deflection over thickness from which on linear bending theory is poor.
+/// Deflection over thickness above which linear bending theory is inaccurate.
 const MOST_DEFLECTION: f64 = 0.5;
 
-/// A sphere on a plate at rest.
+/// A sphere that strikes a plate at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plate {
     /// Full thickness 2h, m, > 0.
     pub thickness: f64,
-    /// Of the plate: not rigid, and of known density.
+    /// Elastic constants of the plate: not rigid, and with a known density.
     pub elastic: Elastic,
     /// The sphere, with a velocity > 0.
     pub striker: Solid,
     /// Largest relative defect of Hertz's law between the nodes of a step, 1e-12 to 0.01.
     pub tolerance: f64,
-    /// Latest end of the contact that is followed, s, > 0; none: 100 Hertz durations.
+    /// Latest end of the integration, s, > 0; `None`: 100 Hertz durations.
     pub until: Option<f64>,
 }
 
-/// The handbook's coefficient of restitution, equation 9.13, with Hertz's contact time (9.14): `a2` is that of equation 9.8, m^2. It is
-/// negative where 0.56 m > h rho a^2.
+/// Returns the handbook's coefficient of restitution, equation 9.13, with Hertz's contact time (9.14). `a2` is the squared radius of equation 9.8,
+/// m^2. The result is negative if 0.56 m > h rho a^2.
 pub fn handbook_restitution(mass: f64, half_thickness: f64, density: f64, a2: f64) -> f64 {
     let x = 0.56 * mass / (half_thickness * density * a2);
     (1.0 - x) / (1.0 + x)
 }
 
-/// Radius squared of the disturbed region of a plate after a time, s, equation 9.8, m^2.
+/// Returns the squared radius of the disturbed region of a plate after a time, s, equation 9.8, m^2.
 pub(super) fn disturbed(duration: f64, thickness: f64, elastic: &Elastic) -> f64 {
     let Elastic { modulus, poisson, density, .. } = elastic;
     PI * duration * 0.5 * thickness * (modulus / (3.0 * density * (1.0 - poisson.powi(2)))).sqrt()
 }
 
 impl Plate {
-    /// Force over velocity of the struck point, N s/m: 8 sqrt(D 2h rho), D being the bending stiffness. The plate answers a force with a
-    /// velocity in proportion.
+    /// Returns the ratio of the force to the velocity of the struck point, N s/m: 8 sqrt(D 2h rho) with the bending stiffness D. The velocity of
+    /// the struck point is proportional to the force.
     pub fn impedance(&self) -> f64 {
         let bending = self.elastic.modulus * self.thickness.powi(3) / (12.0 * (1.0 - self.elastic.poisson.powi(2)));
         8.0 * (bending * self.thickness * self.elastic.density).sqrt()
     }
 
-    /// The contact.
+    /// Returns the contact law.
     pub fn contact(&self) -> Hertz {
         self.striker.contact(&self.elastic.half_space())
     }
 
-    /// Zener's inelasticity parameter lambda: m/(Z T), T = (m^2/(k^2 v))^(1/5), F = k a^(3/2).
+    /// Returns Zener's inelasticity parameter lambda = m/(Z T) with T = (m^2/(k^2 v))^(1/5) and F = k a^(3/2).
     pub fn inelasticity(&self) -> f64 {
         let (mass, stiffness) = (self.striker.mass, self.contact().stiffness());
         let unit = (mass / stiffness).powf(0.4) * self.striker.velocity.powf(-0.2);
         mass / (self.impedance() * unit)
     }
 
-    /// Radius squared that the flexural wave has reached at the end of a contact, equation 9.8, m^2.
+    /// Returns the squared radius that the flexural wave has reached at the end of a contact, equation 9.8, m^2.
     fn spread(&self, duration: f64) -> f64 {
         disturbed(duration, self.thickness, &self.elastic)
     }
@@ -80,7 +81,7 @@ impl Plate {
         self.until.unwrap_or_else(|| 100.0 * self.contact().contact_time(self.striker.mass, self.striker.velocity))
     }
 
-    /// Everything that needs no integration.
+    /// Returns the results that need no integration.
     fn closed_forms(&self) -> Solution {
         let contact = self.contact();
         let (mass, velocity) = (self.striker.mass, self.striker.velocity);
@@ -135,8 +136,8 @@ impl Plate {
     }
 }
 
-/// Where the waves of the contact are not long compared with the thickness. The energy is that of Mindlin's plate for the pulse of Hertz,
-/// Poisson's ratio 0.3: 2.47, 1.74, 1.30 and 1.09 times that of the thin plate at 1.5, 2, 3 and 5.2 thicknesses.
+/// Warns if the waves of the contact are not long compared with the thickness. The energy is that of a Mindlin plate under Hertz's pulse for a
+/// Poisson's ratio of 0.3: 2.47, 1.74, 1.30 and 1.09 times that of the thin plate at a disturbed radius of 1.5, 2, 3 and 5.2 thicknesses.
 fn short_waves(spread: f64) -> Option<String> {
     let energy = 1.0 + 2.4 * spread.powi(-2) + 1.5 * spread.powf(-3.5);
     let size = if spread < NO_PLATE {
@@ -150,7 +151,7 @@ fn short_waves(spread: f64) -> Option<String> {
 }
 
 impl Plate {
-    /// What to say of a sphere that has so much of its velocity at the end time.
+    /// Returns the warning for a sphere that is still in contact at the end time with this fraction of its velocity.
     fn in_contact_at_end(&self, kept: f64) -> String {
         let lambda = self.inelasticity();
         let restitution = REBOUND * lambda.powi(-5);
@@ -164,7 +165,7 @@ impl Plate {
         )
     }
 
-    /// Linear theory of bending ends where the middle of the plate is stretched.
+    /// Warns if the deflection is too large for linear bending theory, which neglects the stretching of the plate.
     fn bends_far(&self, deflection: f64) -> Option<String> {
         let ratio = deflection / self.thickness;
         (ratio > MOST_DEFLECTION).then(|| {

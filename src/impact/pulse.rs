@@ -5,23 +5,24 @@ use std::f64::consts::PI;
 use super::decay::decay;
 use super::oscillator::Oscillator;
 
-/// Amplitudes of an oscillator of unit mass under the pulse of unit impulse.
+/// Response of an oscillator of unit mass to a pulse of unit impulse.
 #[derive(Debug, Clone, Copy)]
 pub struct Pulse {
     omega: f64,
     delta: f64,
-    /// Of the pulse, rad/s.
+    /// Angular frequency of the pulse, rad/s.
     rate: f64,
-    /// Of the forced motion a sin + b cos.
+    /// Amplitudes of the forced motion a sin + b cos.
     a: f64,
     b: f64,
 }
 
-/// Relative distance from undamped resonance within which the mean of both sides is used; it is off by its square.
+/// Relative distance from undamped resonance within which the frequency is shifted to this distance above it. The relative error of the response is
+/// of the same order, up to 1.5e-4.
 const RESONANCE: f64 = 1e-4;
 
 impl Pulse {
-    /// A pulse of a duration, s, on an oscillator with omega (rad/s, > 0) and delta (1/s, >= 0).
+    /// Creates a pulse of a duration, s, on an oscillator with omega (rad/s, > 0) and delta (1/s, >= 0).
     pub fn new(omega: f64, delta: f64, duration: f64) -> Self {
         let rate = PI / duration;
         let near = (omega / rate - 1.0).abs().max(delta / rate) < RESONANCE;
@@ -31,7 +32,7 @@ impl Pulse {
         Self { omega, delta, rate, a: size * off, b: -size * loss }
     }
 
-    /// Displacement and velocity at a time t >= 0.
+    /// Returns displacement and velocity at a time t >= 0.
     pub fn at(&self, t: f64) -> [f64; 2] {
         let duration = PI / self.rate;
         if t <= duration {
@@ -42,7 +43,7 @@ impl Pulse {
         [q * c + v * s, v * (c - 2.0 * self.delta * s) - self.omega * self.omega * s * q]
     }
 
-    /// g' + 2 delta g, and g.
+    /// Returns g' + 2 delta g, and g, where g is the response to a unit impulse.
     fn free(&self, t: f64) -> [f64; 2] {
         let [cosine, sine] = decay(self.omega, self.delta, t);
         [cosine + self.delta * sine, sine]
@@ -57,32 +58,32 @@ impl Pulse {
         [q, velocity + self.b * self.omega * self.omega * s]
     }
 
-    /// Work of the pulse, J.
+    /// Returns the work of the pulse, J.
     fn work(&self) -> f64 {
         let duration = PI / self.rate;
         let [c, s] = self.free(duration);
         let (p, damping) = (self.rate, 2.0 * self.delta);
         let slope = c - damping * s;
-        // Integrals of sin g and cos g over the pulse, from the equation of motion by parts.
+        // Integrals of sin g and cos g over the pulse, from the equation of motion by integration by parts.
         let (off, loss) = ((self.omega - p) * (self.omega + p), damping * p);
         let (x, y) = (-p * s, 1.0 + slope + damping * s);
         let size = off * off + loss * loss;
         let (sine, cosine) = ((off * x + loss * y) / size, (off * y - loss * x) / size);
         // Integral of sin g'.
         let slope = -p * cosine;
-        // Of sin times the velocity of the forced and of the free part.
+        // Integrals of sin times the velocity of the forced and of the free part.
         let forced = -0.5 * self.b * PI;
         let free = -self.a * p * slope + self.b * self.omega * self.omega * sine;
         0.5 * p * (forced + free)
     }
 }
 
-/// Hoppmann's Phi and Psi of damping beta = delta/omega and Q = omega tau/(2 pi): the energy in a mode when the pulse ends, and what
-/// damping has taken by then, times 2 modal mass over the square of the impulse. Figures 9.3 and 9.4.
+/// Returns Hoppmann's Phi and Psi for the damping beta = delta/omega and Q = omega tau/(2 pi): the energy of a mode at the end of the pulse, and
+/// the energy dissipated by then, times 2 modal mass over the square of the impulse. Figures 9.3 and 9.4.
 pub fn phi_psi(beta: f64, q: f64) -> [f64; 2] {
     if beta == 0.0 {
         let off = 1.0 - 4.0 * q * q;
-        // The limit at Q = 1/2 is pi/4; the next term is of second order there.
+        // The limit at Q = 1/2 is pi/4; within this distance its relative error is below 3e-8.
         let root = if off.abs() < 1e-7 { PI / 4.0 } else { (PI * q).cos() / off };
         return [root * root, 0.0];
     }
@@ -94,7 +95,7 @@ pub fn phi_psi(beta: f64, q: f64) -> [f64; 2] {
 }
 
 impl Oscillator {
-    /// Phi and Psi for a pulse of a duration, s.
+    /// Returns Phi and Psi for a pulse of a duration, s.
     pub(super) fn phi_psi(&self, duration: f64) -> [f64; 2] {
         phi_psi(self.delta / self.omega, self.omega * duration / (2.0 * PI))
     }

@@ -1,69 +1,69 @@
-//! Results of an impact without waves in a bar: figures, histories and notes, for every kind.
+//! Results of an impact without waves in a bar, the same for every kind: figures, histories and notes.
 
 use crate::units::Dimension;
 
-/// A number of the result.
+/// A scalar result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Name of the dataset.
     pub name: &'static str,
-    /// Name in the summary; its unit follows it there.
+    /// Name in the summary, where its unit follows.
     pub key: &'static str,
-    /// What it is measured in.
+    /// Dimension of the value.
     pub dimension: Dimension,
-    /// What it is.
+    /// Description.
     pub long_name: &'static str,
-    /// SI; NaN where there is none.
+    /// Value, SI; NaN if there is none.
     pub value: f64,
-    /// It counts something: an integer in the summary.
+    /// Whether it counts something; it is then an integer in the summary.
     pub is_count: bool,
 }
 
 impl Figure {
-    /// With one name in file and summary.
+    /// Creates a figure with the same name in file and summary.
     pub fn new(name: &'static str, dimension: Dimension, long_name: &'static str, value: f64) -> Self {
         Self { name, key: name, dimension, long_name, value, is_count: false }
     }
 
-    /// A number of things.
+    /// Creates a figure that counts something.
     pub fn count(name: &'static str, long_name: &'static str, count: usize) -> Self {
         Self { is_count: true, ..Self::new(name, Dimension::None, long_name, count as f64) }
     }
 
-    /// Key in the summary: `peak_force` and N give "`peak_force_N`".
+    /// Returns the key in the summary: `peak_force` and N give "`peak_force_N`".
     pub fn json_key(&self) -> String {
         let unit = self.dimension.si_symbol().replace(['/', '*'], "_").replace('^', "");
         if unit.is_empty() { self.key.to_owned() } else { format!("{}_{unit}", self.key) }
     }
 
-    /// Value in the summary.
+    /// Returns the value in the summary.
     pub fn json_value(&self) -> serde_json::Value {
         if self.is_count { (self.value as u64).into() } else { self.value.into() }
     }
 }
 
-/// A column of a table; all are equally long.
+/// A column of a table; all columns have the same length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Name of the dataset.
     pub name: &'static str,
-    /// What it is measured in.
+    /// Dimension of the values.
     pub dimension: Dimension,
-    /// What it is.
+    /// Description.
     pub long_name: &'static str,
-    /// Title of the panel of a report that shows it, with the others of this title; empty: none does.
+    /// Title of the panel of a report that shows it, together with the other columns of this title; empty if it is not shown.
     pub panel: &'static str,
-    /// SI.
+    /// Values, SI.
     pub values: Vec<f64>,
 }
 
 impl Column {
-    /// Without values.
+    /// Creates a column without values.
     pub fn new(name: &'static str, dimension: Dimension, long_name: &'static str, panel: &'static str) -> Self {
         Self { name, dimension, long_name, panel, values: Vec::new() }
     }
 
-    /// The time, for the first column of a table.
+    /// Creates the time column, the first column of a table.
     pub fn time() -> Self {
         Self::new("time", Dimension::Time, "time since the first contact", "")
     }
@@ -71,30 +71,30 @@ impl Column {
 
 type Name = &'static str;
 
-/// Columns over the first of them.
+/// Columns as functions of the first one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// Path of the group below that of the kind, such as "gauges/middle".
+    /// Path of the group below that of the kind of impact, such as "gauges/middle".
     pub path: String,
-    /// The first labels the others.
+    /// The columns; the first labels the others.
     pub columns: Vec<Column>,
-    /// Where it is on the body, m.
+    /// Position on the body, m.
     pub x: Option<f64>,
 }
 
 impl Table {
-    /// Without rows.
+    /// Creates a table without rows.
     pub fn new(path: impl Into<String>, columns: Vec<Column>) -> Self {
         Self { path: path.into(), columns, x: None }
     }
 
-    /// Columns over time: name, dimension, long name and panel of each.
+    /// Creates a table over time: name, dimension, long name and panel of each column.
     pub fn over_time<const N: usize>(path: impl Into<String>, columns: [(Name, Dimension, Name, Name); N]) -> Self {
         let columns = columns.map(|(name, dimension, long_name, panel)| Column::new(name, dimension, long_name, panel));
         Self::new(path, std::iter::once(Column::time()).chain(columns).collect())
     }
 
-    /// An energy ledger: name and long name of each part, and the residual of their sum.
+    /// Creates an energy ledger: name and long name of each part, and the residual of their sum.
     pub fn ledger<const N: usize>(parts: [(Name, Name); N]) -> Self {
         let mut ledger =
             Self::over_time("ledger", parts.map(|(name, long_name)| (name, Dimension::Energy, long_name, "energy")));
@@ -103,17 +103,17 @@ impl Table {
         ledger
     }
 
-    /// Adds a value to every column.
+    /// Appends a row, one value per column.
     pub fn push(&mut self, row: &[f64]) {
         self.columns.iter_mut().zip(row).for_each(|(column, value)| column.values.push(*value));
     }
 
-    /// The column of this name.
+    /// Returns the values of the column of this name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|column| column.name == name).map(|column| &column.values[..])
     }
 
-    /// The same of a table that has it.
+    /// Returns the values of a column that the table is known to have.
     pub(super) fn own(&self, name: &str) -> &[f64] {
         self.column(name).unwrap_or_default()
     }
@@ -122,33 +122,33 @@ impl Table {
 /// Deflections over a length at several times.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Shapes {
-    /// s.
+    /// Times, s.
     pub time: Vec<f64>,
-    /// m.
+    /// Positions, m.
     pub x: Vec<f64>,
-    /// m, a row a time.
+    /// Deflections, m, one row per time.
     pub deflection: Vec<f64>,
 }
 
-/// A line of the summary: each "{}" of the text stands for the next value.
+/// A line of the summary: each "{}" of the text is replaced by the next value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// What it is about.
+    /// Label.
     pub label: &'static str,
-    /// The sentence.
+    /// Text.
     pub text: String,
-    /// SI.
+    /// Values, SI.
     pub values: Vec<(f64, Dimension)>,
 }
 
 impl Line {
-    /// A sentence with its values.
+    /// Creates a line from its text and values.
     pub fn new(label: &'static str, text: impl Into<String>, values: &[(f64, Dimension)]) -> Self {
         Self { label, text: text.into(), values: values.to_vec() }
     }
 }
 
-/// A ratio with so many significant digits, zeros at the end included; with an exponent where it is very small.
+/// Formats a ratio with this number of significant digits, including trailing zeros; with an exponent if it is very small.
 pub(super) fn ratio(value: f64, digits: usize) -> String {
     let magnitude = value.abs().log10().floor();
     if magnitude < -4.0 && value != 0.0 {
@@ -161,27 +161,27 @@ pub(super) fn ratio(value: f64, digits: usize) -> String {
 /// The result of an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// "done", "rupture" where something breaks, "interrupted", or "not-converged" where the error exceeds the tolerance.
+    /// Outcome: "done", "rupture" if a specimen breaks, "interrupted", or "not-converged" if the error exceeds the tolerance.
     pub outcome: &'static str,
-    /// How it was solved, as "hertz".
+    /// Method of solution, such as "hertz".
     pub scheme: &'static str,
     /// The equations that were used, with their numbers.
     pub equation: String,
-    /// For what these hold.
+    /// Range of validity of the equations.
     pub validity: String,
-    /// Where the scene leaves their range, a sentence each.
+    /// Warnings where the scene is outside this range, one sentence each.
     pub warnings: Vec<String>,
-    /// Numbers.
+    /// Scalar results.
     pub figures: Vec<Figure>,
     /// Figures at gauges: name of the gauge, then its figures.
     pub gauges: Vec<(String, Vec<Figure>)>,
-    /// Yes or no, by name.
+    /// Yes-or-no results, by name.
     pub flags: Vec<(&'static str, bool)>,
     /// Histories.
     pub tables: Vec<Table>,
     /// Deflected shapes, if there are any.
     pub shapes: Option<Shapes>,
-    /// The summary for people.
+    /// Lines of the summary for people.
     pub lines: Vec<Line>,
 }
 
@@ -204,23 +204,23 @@ impl Default for Solution {
 }
 
 impl Solution {
-    /// Outcome of an integration that was asked to stop before its end.
+    /// Outcome of an integration that was interrupted.
     pub const INTERRUPTED: &'static str = "interrupted";
-    /// The outcome of a study of the error that ends above its tolerance.
+    /// Outcome of a convergence study that ends above its tolerance.
     pub const NOT_CONVERGED: &'static str = "not-converged";
 
-    /// The histories end before the end of the impact.
+    /// Whether the histories end before the end of the impact.
     pub fn is_interrupted(&self) -> bool {
         self.outcome == Self::INTERRUPTED
     }
 
-    /// A figure by its name, as in the result file (`peak_force`) or as in the summary (`peak_force_N`); none where it has no value.
+    /// Returns a figure by its name in the result file (`peak_force`) or in the summary (`peak_force_N`); `None` if it has no value.
     pub fn figure(&self, name: &str) -> Option<f64> {
         let found = self.figures.iter().find(|figure| figure.name == name || figure.json_key() == name);
         found.map(|figure| figure.value).filter(|value| !value.is_nan())
     }
 
-    /// Adds a figure, with its line of the summary where it has a value.
+    /// Adds a figure, and its line of the summary if it has a value.
     pub fn add(&mut self, label: &'static str, figure: Figure) {
         let line = Line::new(label, "{}", &[(figure.value, figure.dimension)]);
         self.lines.extend(figure.value.is_finite().then_some(line));

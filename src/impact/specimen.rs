@@ -1,8 +1,7 @@
-//! The energy method: a specimen in tension fractures if the kinetic energy of the striker exceeds the energy it absorbs to
-//! fracture.
+//! The energy method: a specimen in tension fractures if the kinetic energy of the striker reaches the energy that it absorbs to fracture.
 //!
-//! How the stress builds up is left out, and so is that the body may strike faster than the specimen can carry the strain
-//! away: above the critical velocity a bar breaks with less. A run of the bar itself (`[bar]`) knows both.
+//! The method neglects how the stress builds up, and that a fast striker can strain the end of the specimen faster than waves carry the strain
+//! away: above the critical velocity a bar breaks with less energy. A simulation of the bar itself (`[bar]`) includes both.
 
 use super::solution::{Figure, Line, Solution};
 use super::{Numerics, Problem, Watch};
@@ -14,32 +13,32 @@ use crate::units::{System, format};
 /// A specimen in tension.
 #[derive(Debug, Clone)]
 pub struct Specimen {
-    /// m, > 0.
+    /// Length, m, > 0.
     pub length: f64,
-    /// m^2, > 0.
+    /// Cross-sectional area, m^2, > 0.
     pub area: f64,
-    /// What it can absorb.
+    /// Energy that it can absorb.
     pub toughness: Toughness,
 }
 
-/// What a specimen absorbs before it breaks.
+/// The energy that a specimen absorbs before it breaks.
 #[derive(Debug, Clone)]
 pub enum Toughness {
-    /// J/m^3, > 0, in the whole of it.
+    /// Energy per volume in the whole specimen, J/m^3, > 0.
     PerVolume(f64),
-    /// The work under a stress-strain curve up to its largest engineering stress, or to the end of data that end in
-    /// rupture. A notch or a poor weld breaks where the force is that of the largest stress over `notch` (>= 1): the rest
-    /// is strained no farther than that, and what the short notch itself absorbs is left out.
+    /// Work under a stress-strain curve up to its largest engineering stress, or to the end of data that end in rupture. At a notch or a poor weld
+    /// the specimen breaks at the force of the largest stress divided by `notch` (>= 1); the rest is strained only as far as that force requires,
+    /// and the energy absorbed by the short notch itself is neglected.
     Curve {
-        /// In tension.
+        /// Curve in tension.
         curve: Curve,
-        /// Where it breaks.
+        /// Point of rupture.
         ultimate: Ultimate,
-        /// Notch factor, >= 1; 1: none.
+        /// Notch factor, >= 1; 1 for no notch.
         notch: f64,
-        /// Strain of the elastic limit, >= 0.
+        /// Strain at the elastic limit, >= 0.
         elastic: f64,
-        /// Impact velocity from which on a bar of this curve breaks at its struck end, m/s, > 0; infinite where none does.
+        /// Impact velocity above which a bar of this curve breaks at its struck end, m/s, > 0; infinite if there is none.
         critical: f64,
     },
 }
@@ -49,40 +48,40 @@ pub enum Toughness {
 pub struct Blow {
     /// The specimen.
     pub specimen: Specimen,
-    /// Of the body, kg, > 0.
+    /// Mass of the body, kg, > 0.
     pub mass: f64,
-    /// Of the body, m/s, >= 0.
+    /// Velocity of the body, m/s, >= 0.
     pub velocity: f64,
 }
 
-/// What comes of a blow. Energies in J.
+/// Result of a blow. Energies in J.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
-    /// The body's energy of motion.
+    /// Kinetic energy of the body.
     pub available: f64,
-    /// What the specimen can absorb.
+    /// Energy that the specimen can absorb.
     pub capacity: f64,
-    /// The specimen breaks.
+    /// Whether the specimen breaks.
     pub breaks: bool,
-    /// What the specimen has absorbed in the end.
+    /// Energy that the specimen has absorbed at the end.
     pub absorbed: f64,
-    /// The specimen stays elastic, and gives back all that it has absorbed.
+    /// Whether the specimen stays elastic and returns all energy that it has absorbed.
     pub elastic: bool,
-    /// The body's velocity in the end, m/s; 0 where the specimen has yielded and stops it, negative where an elastic one throws it back.
+    /// Final velocity of the body, m/s: 0 if the specimen yields and stops it, negative if an elastic specimen throws it back.
     pub residual_velocity: f64,
-    /// The least velocity of this body that breaks the specimen, m/s.
+    /// Lowest velocity of this body that breaks the specimen, m/s.
     pub threshold_velocity: f64,
-    /// The largest engineering strain to which the specimen is stretched all along; none where no curve says.
+    /// Largest uniform engineering strain of the specimen; `None` if no curve is given.
     pub strain: Option<f64>,
 }
 
 impl Specimen {
-    /// m^3.
+    /// Returns the volume, m^3.
     pub fn volume(&self) -> f64 {
         self.length * self.area
     }
 
-    /// Energy per volume that it can absorb, J/m^3.
+    /// Returns the energy per volume that it can absorb, J/m^3.
     pub fn energy_per_volume(&self) -> f64 {
         match &self.toughness {
             Toughness::PerVolume(energy) => *energy,
@@ -90,14 +89,14 @@ impl Specimen {
         }
     }
 
-    /// Energy that it can absorb, J.
+    /// Returns the energy that it can absorb, J.
     pub fn capacity(&self) -> f64 {
         self.energy_per_volume() * self.volume()
     }
 }
 
 impl Blow {
-    /// What comes of it.
+    /// Computes the result of the blow.
     pub fn outcome(&self) -> Outcome {
         let (available, capacity) = (0.5 * self.mass * self.velocity * self.velocity, self.specimen.capacity());
         let (absorbed, breaks) = (available.min(capacity), available >= capacity);
@@ -122,7 +121,7 @@ impl Blow {
         }
     }
 
-    /// Where a bar of the specimen's material breaks at once, m/s; none where no curve says.
+    /// Returns the velocity above which a bar of the specimen's material breaks at once, m/s; `None` if no curve is given.
     fn critical_velocity(&self) -> Option<f64> {
         let Toughness::Curve { critical, .. } = self.specimen.toughness else { return None };
         Some(critical)
@@ -256,7 +255,7 @@ impl Blow {
     }
 }
 
-/// The strain of the whole specimen when it breaks: that of the largest stress over the notch factor, on the way up.
+/// Returns the uniform strain of the specimen at fracture: that of the largest stress over the notch factor, on the rising part of the curve.
 fn break_strain(curve: &Curve, ultimate: Ultimate, notch: f64) -> f64 {
     if notch == 1.0 {
         return ultimate.strain;
@@ -271,19 +270,19 @@ fn break_strain(curve: &Curve, ultimate: Ultimate, notch: f64) -> f64 {
     ultimate.strain
 }
 
-/// The curve's pieces up to a strain: strain and stress at both ends.
+/// Iterates over the segments of the curve up to a strain: strain and stress at both ends.
 fn pieces(curve: &Curve, until: f64) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     let knots = curve.strain().iter().copied().filter(move |&strain| strain < until).chain([until]);
     let ends = curve.strain().iter().copied().filter(move |&strain| strain > 0.0 && strain < until).chain([until]);
     knots.zip(ends).map(|(a, b)| ([a, b], [curve.stress_at(a), curve.stress_at(b)]))
 }
 
-/// Work per volume up to a strain, J/m^3.
+/// Returns the work per volume up to a strain, J/m^3.
 fn work(curve: &Curve, strain: f64) -> f64 {
     pieces(curve, strain).map(|(e, s)| 0.5 * (s[0] + s[1]) * (e[1] - e[0])).sum()
 }
 
-/// The strain, at most `most`, that takes `energy` per volume, J/m^3.
+/// Returns the strain, at most `most`, at which the work per volume equals `energy`, J/m^3.
 fn strain_of(curve: &Curve, energy: f64, most: f64) -> f64 {
     let mut left = energy;
     if left == 0.0 {
@@ -293,7 +292,7 @@ fn strain_of(curve: &Curve, energy: f64, most: f64) -> f64 {
         let (width, rise) = (e[1] - e[0], s[1] - s[0]);
         let piece = 0.5 * (s[0] + s[1]) * width;
         if left < piece {
-            // s0 x + rise/(2 width) x^2 = left, in the form that does not cancel.
+            // Solves s0 x + rise/(2 width) x^2 = left in a form without cancellation.
             let root = (s[0] * s[0] + 2.0 * rise / width * left).max(0.0).sqrt();
             return (e[0] + 2.0 * left / (s[0] + root)).min(e[1]);
         }

@@ -1,4 +1,4 @@
-//! Two spheres that collide along the line of their centres: coefficient of restitution, ballistic pendulum, Hertz's theory.
+//! Collision of two spheres along the line of their centres: coefficient of restitution, ballistic pendulum, Hertz's theory.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -14,7 +14,7 @@ use crate::bar::Hertz;
 use crate::input::{Allowed, Checked, member, positive, positive_or_infinite};
 use crate::units::Dimension::{self, Energy, Force, Length, Mass, None as Plain, Time, Velocity};
 
-/// Part of the energy that vibrates in the spheres, or leaves in waves, from which on Hertz's theory is left.
+/// Share of the energy in vibration of the spheres, or in waves, above which Hertz's theory is inaccurate.
 const MOST_VIBRATION: f64 = 0.01;
 /// Integral of s sqrt(1 - s^(5/2)) from 0 to 1: 2/5 B(4/5, 3/2).
 const PULSE: f64 = 0.353_736_587;
@@ -22,32 +22,32 @@ const PULSE: f64 = 0.353_736_587;
 /// An impact of two spheres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Spheres {
-    /// Newton's law, equations 9.1 to 9.3. Masses, kg, and velocities before, m/s, of striker and struck body.
+    /// Newton's law, equations 9.1 to 9.3. Masses, kg, and velocities before the impact, m/s, of striker and struck body.
     Restitution {
-        /// kg, > 0; the second infinite for a half-space.
+        /// Masses, kg, > 0; the second is infinite for a half-space.
         masses: [f64; 2],
-        /// m/s, the first larger than the second.
+        /// Velocities, m/s, the first larger than the second.
         velocities: [f64; 2],
-        /// 0 to 1.
+        /// Coefficient of restitution, 0 to 1.
         restitution: f64,
     },
     /// A body that embeds in another at rest, equation 9.4.
     Pendulum {
-        /// kg, > 0.
+        /// Masses, kg, > 0.
         masses: [f64; 2],
-        /// Of both together, m/s, > 0.
+        /// Common velocity after the impact, m/s, > 0.
         after: f64,
     },
     /// Hertz's theory.
     Hertz {
-        /// Striker and struck body, the striker being the faster one; one of them is not rigid.
+        /// Striker and struck body; the striker is the faster one, and at least one of them is not rigid.
         solids: [Solid; 2],
         /// Largest relative defect of Hertz's law between the nodes of a step, 1e-12 to 0.01.
         tolerance: f64,
     },
 }
 
-/// Velocities after an impact, equation 9.3, m/s; the second mass may be infinite.
+/// Returns the velocities after an impact, equation 9.3, m/s; the second mass may be infinite.
 pub fn velocities_after(masses: [f64; 2], velocities: [f64; 2], restitution: f64) -> [f64; 2] {
     let ([mu, mx], [u, x]) = (masses, velocities);
     let (momentum, closing) = (mu * u + mx * x, restitution * (u - x));
@@ -57,13 +57,13 @@ pub fn velocities_after(masses: [f64; 2], velocities: [f64; 2], restitution: f64
     [(momentum - mx * closing) / (mu + mx), (momentum + mu * closing) / (mu + mx)]
 }
 
-/// Velocity of a body before it embeds in another at rest, equation 9.4, m/s.
+/// Returns the velocity of a body before it embeds in another at rest, equation 9.4, m/s.
 pub fn velocity_before(masses: [f64; 2], after: f64) -> f64 {
     (masses[0] + masses[1]) * after / masses[0]
 }
 
-/// Kinetic energy lost in an impact at this closing velocity, m/s, in J: that of the relative motion, where a difference of the kinetic energies
-/// before and after would cancel.
+/// Returns the kinetic energy lost in an impact at this closing velocity, m/s, in J. It is computed from the relative motion, because the
+/// difference of the kinetic energies before and after would cancel.
 fn energy_lost(masses: [f64; 2], closing: f64, restitution: f64) -> f64 {
     0.5 * reduced(masses) * closing * closing * (1.0 - restitution) * (1.0 + restitution)
 }
@@ -107,7 +107,7 @@ impl Problem for Spheres {
     fn planned(&self) -> Solution {
         match self {
             Self::Hertz { solids, .. } => closed_forms(solids),
-            // Nothing is integrated.
+            // These methods need no integration.
             closed => closed.solved(&mut |_| ControlFlow::Continue(())),
         }
     }
@@ -162,12 +162,12 @@ fn pendulum(masses: [f64; 2], after: f64) -> Solution {
     solution
 }
 
-/// Reduced mass, kg; either may be infinite.
+/// Returns the reduced mass, kg; either mass may be infinite.
 fn reduced(masses: [f64; 2]) -> f64 {
     1.0 / masses.map(f64::recip).iter().sum::<f64>()
 }
 
-/// Everything that needs no integration.
+/// Returns the results that need no integration.
 fn closed_forms(solids: &[Solid; 2]) -> Solution {
     let contact = solids[0].contact(&solids[1]);
     let (mass, closing) = (reduced([solids[0].mass, solids[1].mass]), solids[0].velocity - solids[1].velocity);
@@ -190,7 +190,7 @@ fn closed_forms(solids: &[Solid; 2]) -> Solution {
     solution
 }
 
-/// What is solved, and for what it holds.
+/// Returns the equations and their range of validity.
 fn theory(half_space: bool) -> Solution {
     let hertz = "Hertz's theory: F = 4/3 E* sqrt(R) a^(3/2), contact time 2.9433 a/v";
     let [loss, validity] = if half_space {
@@ -208,9 +208,9 @@ fn theory(half_space: bool) -> Solution {
     Solution { scheme: "hertz", equation: format!("{hertz}; {loss}"), validity: validity.into(), ..Solution::default() }
 }
 
-/// Energy that waves carry into the half-space, over the kinetic energy: J/(2 pi G c2) times the integral of F'^2 over time for Hertz's
-/// force. J, by Lamb's problem at low frequency (Miller and Pursey 1954), depends on Poisson's ratio alone; the polynomial is within 1 %
-/// of it. For two equal solids the whole is 1.09 to 1.16 (v/c0)^(3/5), where Hunter (1957) has 1.04.
+/// Adds the energy that waves carry into the half-space, relative to the kinetic energy: J/(2 pi G c2) times the integral of F'^2 over time for
+/// Hertz's force. J, from Lamb's problem at low frequency (Miller and Pursey 1954), depends on Poisson's ratio only; the polynomial is within 1 %
+/// of it. For two equal solids the ratio is 1.09 to 1.16 (v/c0)^(3/5), where Hunter (1957) has 1.04.
 fn radiation(solution: &mut Solution, [sphere, ground]: &[Solid; 2], contact: &Hertz) {
     let Elastic { modulus, poisson, density, .. } = ground.elastic;
     if !(modulus.is_finite() && density.is_finite()) {
@@ -239,7 +239,7 @@ fn radiation(solution: &mut Solution, [sphere, ground]: &[Solid; 2], contact: &H
     }
 }
 
-/// Equation 9.5, with the slower of the wave speeds that are known.
+/// Adds the energy of vibration by equation 9.5, with the slower of the known wave speeds.
 fn vibration(solution: &mut Solution, solids: &[Solid; 2], closing: f64) {
     let speeds = solids.iter().filter(|s| s.mass.is_finite()).map(|s| (s.elastic.modulus / s.elastic.density).sqrt());
     let Some(speed) = speeds.filter(|c| c.is_finite()).reduce(f64::min) else { return };

@@ -2,16 +2,16 @@
 
 use crate::units::Dimension;
 
-/// An allowed range, shown as the user would write it.
+/// Allowed range of a number.
 #[derive(Debug, Clone, Copy)]
 pub enum Allowed {
     /// Any finite number.
     Finite,
-    /// > 0.
+    /// value > 0.
     Positive,
-    /// >= 0.
+    /// value >= 0.
     NotNegative,
-    /// low..=high.
+    /// low <= value <= high.
     Within(f64, f64),
     /// low < value <= high.
     Above(f64, f64),
@@ -22,7 +22,7 @@ pub enum Allowed {
 }
 
 impl Allowed {
-    /// Whether a value (SI) lies in the range; never true of NaN or infinities.
+    /// Returns whether a value (SI) is in the range; false for NaN and infinities.
     pub fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -36,7 +36,7 @@ impl Allowed {
             }
     }
 
-    /// The range as text, e.g. "0 < cfl <= 1", with the SI unit where the bounds have one.
+    /// Returns the range as text, e.g. "0 < cfl <= 1", with the SI unit if the bounds have one.
     pub fn describe(self, name: &str, dimension: Dimension) -> String {
         let unit = match dimension.si_symbol() {
             "" => String::new(),
@@ -59,8 +59,7 @@ impl Allowed {
         }
     }
 
-    /// The magnitudes that a value (SI) in the range can have, where it has none of them: no computation makes sense with it. Values that may be
-    /// zero may be as small as they like.
+    /// Returns the range of meaningful magnitudes if a value (SI) is outside it, otherwise `None`. Values that may be zero have no lower bound.
     pub(super) fn impossible(self, name: &str, value: f64, dimension: Dimension) -> Option<String> {
         let range = dimension.magnitudes();
         let least = if matches!(self, Self::Positive) { range.least } else { 0.0 };
@@ -72,7 +71,7 @@ impl Allowed {
     }
 }
 
-/// A number in a message: very small and very large ones with an exponent.
+/// Formats a number for a message, with an exponent if it is very small or very large.
 pub(super) fn shown(value: f64) -> String {
     let far = value != 0.0 && value.is_finite() && !(1e-4..1e15).contains(&value.abs());
     if far { format!("{value:e}") } else { value.to_string() }

@@ -9,18 +9,18 @@ pub const DEPRECATED_KEYS: [(&str, &str, &str); 5] = [
     ("specimen", "notch", "stress-concentration"),
 ];
 
-/// The present name of a key of a top-level table.
+/// Returns the present name of a key of a top-level table.
 pub(super) fn present<'a>(table: &str, key: &'a str) -> &'a str {
     let renamed = DEPRECATED_KEYS.iter().find(|(of, old, _)| *of == table && *old == key);
     renamed.map_or(key, |(.., new)| new)
 }
 
-/// The old name of a key.
+/// Returns the old name of a key, if it has one.
 pub(super) fn old_name(name: &str) -> Option<&'static str> {
     DEPRECATED_KEYS.iter().find(|(.., new)| *new == name).map(|(_, old, _)| *old)
 }
 
-/// `name` is a deprecated name in the table of the dotted key `key`.
+/// Returns whether `name` is a deprecated name in the table that contains the dotted key `key`.
 pub(super) fn is_deprecated(key: &str, name: &str) -> bool {
     let mut parts: Vec<&str> = key.split('.').filter(|part| part.parse::<usize>().is_err()).collect();
     parts.pop();

@@ -1,4 +1,4 @@
-//! Which dimension the numbers of a text are read with: that of a key may depend on others, such as the `kind` beside it.
+//! Records the dimensions with which the numbers of a text are read: that of a key can depend on other keys, such as the `kind` of an end.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::Document;
 use crate::units::Dimension;
 
-/// A number that was read.
+/// Number that was read.
 #[derive(Debug, Clone, PartialEq)]
 struct ReadNumber {
     file: String,
@@ -15,11 +15,11 @@ struct ReadNumber {
 }
 
 thread_local! {
-    // Numbers are read deep inside the checks of a scene; a parameter would go through all of them.
+    // Thread-local, because numbers are read deep inside the checks of a scene; otherwise every check would need a parameter for the recording.
     static READ: RefCell<Option<Vec<ReadNumber>>> = const { RefCell::new(None) };
 }
 
-/// Stops the recording when it is dropped.
+/// Guard that stops the recording when it is dropped.
 struct Scope;
 
 impl Drop for Scope {
@@ -28,7 +28,7 @@ impl Drop for Scope {
     }
 }
 
-/// Notes a number of a document, where someone asked for it.
+/// Records a number of a document, if a recording is active.
 pub(super) fn note(document: &Document, span: &Range<usize>, dimension: Dimension) {
     READ.with_borrow_mut(|read| {
         if let Some(read) = read {
@@ -37,7 +37,7 @@ pub(super) fn note(document: &Document, span: &Range<usize>, dimension: Dimensio
     });
 }
 
-/// Dimensions with which `read` reads the numbers of these dotted keys of a document; none of a key that it does not read as a number.
+/// Returns the dimensions with which `read` reads the numbers of these dotted keys of a document; `None` for a key that it does not read as a number.
 pub fn of_keys<T>(document: &Document, keys: &[&str], read: impl FnOnce() -> T) -> Vec<Option<Dimension>> {
     let scope = Scope;
     READ.set(Some(Vec::new()));

@@ -1,4 +1,4 @@
-//! What the TOML reader complains of, in the words of users: key, what is known beside it, what would be right.
+//! Converts errors of the TOML reader into errors for users: the key, the known keys of its table, and the remedy.
 
 use std::ops::Range;
 
@@ -7,7 +7,7 @@ use super::{Document, nearest};
 use crate::error::InputError;
 
 impl Document {
-    /// Turns what the TOML reader says into an error with key, suggestion and help.
+    /// Converts an error of the TOML reader into an error with key, suggestion and help.
     pub(super) fn explain(&self, error: &toml::de::Error) -> InputError {
         let span = error.span().unwrap_or(0..0);
         let message = error.message();
@@ -20,10 +20,10 @@ impl Document {
             return self.unknown_word(span, &key, &quoted);
         }
         if let (true, Some(name)) = (message.starts_with("missing field"), quoted.first()) {
-            // Without a table of its own the place is the whole file, whose first key is not to blame.
+            // Without a table of its own, the position is the whole file, whose first key is unrelated to the error.
             let table = self.text.get(span.clone()).is_some_and(|text| text.starts_with(['[', '{']));
             let error = self.missing_key(span, if table { &key } else { "" }, name);
-            // A number says what to add.
+            // For a number, the second line of the message is the help.
             return match message.split_once('\n') {
                 Some((_, help)) => error.help(help.trim()),
                 None => error,
@@ -55,7 +55,7 @@ impl Document {
         self.key_error(span, key, unknown, &known)
     }
 
-    /// An error for a key that is none of those of its table; the nearest is suggested.
+    /// Returns the error for a key that is unknown in its table; the most similar known key is suggested.
     pub fn key_error(&self, span: Range<usize>, key: &str, unknown: &str, known: &[&str]) -> InputError {
         let parent = key.rsplit_once('.').map_or("", |(parent, _)| parent);
         let place = if parent.is_empty() { "at the top level".to_owned() } else { format!("in `{parent}`") };
@@ -72,7 +72,7 @@ impl Document {
         self.word_error(span, key, unknown, known)
     }
 
-    /// An error for a word that is none of the allowed ones; the nearest is suggested.
+    /// Returns the error for a word that is not among the allowed ones; the most similar one is suggested.
     pub fn word_error(&self, span: Range<usize>, key: &str, word: &str, known: &[&str]) -> InputError {
         let list = known.iter().map(|k| format!("\"{k}\"")).collect::<Vec<_>>().join(", ");
         let help = match nearest(word, known.iter().copied()) {
@@ -89,7 +89,7 @@ impl Document {
     }
 }
 
-/// What to write for a key that takes a word or a table, of which the reader says no more.
+/// Returns the allowed values of a key that accepts a word or a table; the reader's error does not contain them.
 fn word_or_table(key: &str) -> &'static str {
     match key {
         "effects.hardening" => "\"isotropic\", \"kinematic\", or a table such as { mixed = 0.3 }",
@@ -98,8 +98,8 @@ fn word_or_table(key: &str) -> &'static str {
     }
 }
 
-/// The reader's words for types as users know them: `struct RawSolve` is a table. `value` is the text that it read.
-/// `choice` is what a key takes that is either a word or a table.
+/// Replaces the reader's names of types by those that users know: `struct RawSolve` is a table. `value` is the text that was read. `choice` describes
+/// the allowed values of a key that accepts a word or a table.
 fn plain_types(message: &str, value: &str, choice: &str) -> String {
     if message == "wanted string or table" {
         return format!("found `{value}`, expected {choice}");
@@ -123,7 +123,7 @@ fn plain_types(message: &str, value: &str, choice: &str) -> String {
     format!("found {found}, expected {expected}")
 }
 
-/// A complaint of the reader about its grammar, in the words of users; none where it needs no other.
+/// Returns an error of the reader about TOML syntax in plain words; `None` if its message is clear.
 fn plain_syntax(message: &str, value: &str) -> Option<String> {
     let value = value.lines().next().unwrap_or_default().trim();
     let unquoted =

@@ -1,14 +1,14 @@
-//! Numbers that a program gives, as members of a type or arguments of a function: those of files are checked where they are read.
+//! Checks of numbers that a program passes as members of a type or arguments of a function; those of files are checked where they are read.
 
 use super::allowed::shown;
 use super::{Allowed, last_part};
 use crate::error::InputError;
 use crate::units::Dimension;
 
-/// What a check of members and arguments says.
+/// Result of a check of members and arguments.
 pub(crate) type Checked = Result<(), InputError>;
 
-/// A number that has to lie in a range, and to have a magnitude that is possible.
+/// Checks that a number is in a range and has a meaningful magnitude.
 pub(crate) fn member(name: &str, value: f64, dimension: Dimension, allowed: Allowed) -> Checked {
     let last = last_part(name);
     if !allowed.holds(value) {
@@ -18,22 +18,22 @@ pub(crate) fn member(name: &str, value: f64, dimension: Dimension, allowed: Allo
     Err(out_of_range(name, value, dimension).allowed(bounds))
 }
 
-/// Numbers that have to be positive.
+/// Checks that numbers are positive.
 pub(crate) fn positive<const N: usize>(members: [(&str, f64, Dimension); N]) -> Checked {
     members.into_iter().try_for_each(|(name, value, dimension)| member(name, value, dimension, Allowed::Positive))
 }
 
-/// A number that has to be positive, and may be infinite.
+/// Checks that a number is positive; it may be infinite.
 pub(crate) fn positive_or_infinite(name: &str, value: f64, dimension: Dimension) -> Checked {
     if value == f64::INFINITY { Ok(()) } else { member(name, value, dimension, Allowed::Positive) }
 }
 
-/// A number that need not be given, and else has to lie in a range.
+/// Checks that an optional number, if given, is in a range.
 pub(crate) fn optional(name: &str, value: Option<f64>, dimension: Dimension, allowed: Allowed) -> Checked {
     value.map_or(Ok(()), |value| member(name, value, dimension, allowed))
 }
 
-/// Values of rows that have to be finite.
+/// Checks that the values of rows are finite.
 pub(crate) fn finite(name: &str, values: impl IntoIterator<Item = f64>) -> Checked {
     let wrong = values.into_iter().enumerate().find(|(_, value)| !value.is_finite());
     let Some((row, value)) = wrong else { return Ok(()) };
@@ -41,7 +41,7 @@ pub(crate) fn finite(name: &str, values: impl IntoIterator<Item = f64>) -> Check
     Err(error.allowed("finite numbers").help("leave the row out, or correct it"))
 }
 
-/// Columns that have to be of one length: the name of each, and its length.
+/// Checks that two columns, given by name and length, have the same length.
 pub(crate) fn equally_long([(one, rows), (other, others)]: [(&str, usize); 2]) -> Checked {
     if rows == others {
         return Ok(());

@@ -20,28 +20,28 @@ pub use deprecated::DEPRECATED_KEYS;
 pub(crate) use member::{Checked, equally_long, finite, member, optional, positive, positive_or_infinite};
 pub use parsed::{GivenKey, Parsed, Table};
 
-/// A number in a file, with its place.
+/// Number in a file, with its position.
 pub type Number = toml::Spanned<Quantity>;
 
-/// A text file being read; every error of its content is made here.
+/// Text file that is read; creates all errors about its content.
 #[derive(Debug, Clone)]
 pub struct Document {
-    /// Name to show.
+    /// Name shown in messages.
     pub file: String,
-    /// Whole text.
+    /// Complete text.
     pub text: Arc<str>,
 }
 
 impl Document {
-    /// Reads a file; a missing or unreadable one is an input error with a help line.
+    /// Reads a file; a missing or unreadable file is an input error with a help line.
     pub fn read(path: &Path) -> Result<Self> {
         Ok(Self::new(path.display().to_string(), text_file::read(path)?))
     }
 
-    /// Reads the record of an instrument, and says in which encoding it is unless in UTF-8; standard input where the path is `-`.
+    /// Reads the record of an instrument; for the path `-`, standard input. Returns the encoding of the text if it is not UTF-8.
     ///
     /// # Errors
-    /// An input error: the file cannot be read, or is no text.
+    /// An input error if the file cannot be read, or does not contain text.
     pub fn read_record(path: &Path) -> Result<(Self, Option<&'static str>)> {
         if path == Path::new("-") {
             return Ok((Self::read_scene(path)?, None));
@@ -50,22 +50,22 @@ impl Document {
         Ok((Self::new(path.display().to_string(), text), encoding))
     }
 
-    /// Reads a scene: a file, or standard input where the path is `-`.
+    /// Reads a scene from a file or, for the path `-`, from standard input.
     pub fn read_scene(path: &Path) -> Result<Self> {
         if path == Path::new("-") { Ok(Self::new("stdin", text_file::read_stdin("stdin")?)) } else { Self::read(path) }
     }
 
-    /// A document from text in memory.
+    /// Creates a document from text in memory.
     pub fn new(file: impl Into<String>, text: impl Into<Arc<str>>) -> Self {
         Self { file: file.into(), text: text.into() }
     }
 
-    /// An error at a span of this document.
+    /// Returns an error at a span of this document.
     pub fn error(&self, span: Range<usize>, key: &str, message: impl Into<String>) -> InputError {
         InputError::new(message).key(key).at(self.place(span))
     }
 
-    /// A span of this document, for an error that was found elsewhere.
+    /// Returns a span of this document as the position of an error that was found elsewhere.
     pub fn place(&self, span: Range<usize>) -> Place {
         Place { file: self.file.clone(), text: self.text.clone(), span }
     }
@@ -73,7 +73,7 @@ impl Document {
     /// Converts and checks one number. `key` is dotted, as in `solve.cfl`.
     pub fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
         let name = last_part(key);
-        // Files of histories have a hundred thousand numbers, which need no words.
+        // Evaluated only for errors: files of histories contain a hundred thousand numbers.
         let range = || allowed.describe(name, dimension);
         let typed = value.get_ref();
         let si = typed.si(dimension).map_err(|reason| {
@@ -94,12 +94,12 @@ impl Document {
         Err(self.error(value.span(), key, format!("{typed} is out of range")).allowed(range()).help(help).into())
     }
 
-    /// The same of a number that the text holds, whose key follows from its place.
+    /// Converts and checks a number of the text; its key is determined from its position.
     pub fn number_at(&self, value: &Number, dimension: Dimension, allowed: Allowed) -> Result<f64> {
         self.number_under(value, || self.key_at(&value.span()), dimension, allowed)
     }
 
-    /// The same with a key that is made up for messages only.
+    /// Converts and checks a number; `key` is called only if there is an error, for its message.
     pub fn number_under(
         &self,
         value: &Number,
@@ -110,7 +110,7 @@ impl Document {
         self.number(value, "", dimension, allowed).or_else(|_| self.number(value, &key(), dimension, allowed))
     }
 
-    /// Refuses values with which no computation makes sense.
+    /// Refuses values outside the range of meaningful magnitudes.
     fn of_possible_magnitude(
         &self,
         value: &Number,
@@ -125,7 +125,7 @@ impl Document {
         Err(self.error(value.span(), key, message).allowed(bounds).help(help).into())
     }
 
-    /// A whole number within `low..=high` that the text holds; 1e5 is one too.
+    /// Reads a whole number of the text within `low..=high`; 1e5 is also a whole number.
     pub fn count_at(&self, value: &Number, low: usize, high: usize) -> Result<usize> {
         let range = Allowed::Within(low as f64, high as f64);
         let is_number = || value.get_ref().si(Dimension::None).is_ok();
@@ -146,7 +146,7 @@ impl Document {
     }
 }
 
-/// The word of a list that is most like a given one, if one is like it at all.
+/// Returns the word of a list that is most similar to `word`; `None` if none is similar.
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |text: &str| text.to_lowercase().replace('_', "-");
     let word = plain(word);
@@ -158,7 +158,7 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .map(|(_, k)| k)
 }
 
-/// The last part of a dotted key, which is how a range names the value.
+/// Returns the last part of a dotted key that is not an index, which is the name of the value in ranges.
 fn last_part(key: &str) -> &str {
     key.rsplit('.').find(|part| part.parse::<usize>().is_err()).unwrap_or(key)
 }

@@ -1,4 +1,4 @@
-//! The tables of a TOML text, which is parsed once.
+//! Tables of a TOML text, which is parsed only once.
 
 use std::ops::Range;
 
@@ -10,25 +10,25 @@ use super::Document;
 use super::deprecated::present;
 use crate::error::Result;
 
-/// A key of a table, with its place and that of its value.
+/// Key of a table, with its position and that of its value.
 #[derive(Debug, Clone)]
 pub struct GivenKey {
-    /// Its name.
+    /// Name of the key.
     pub name: String,
-    /// Where the key stands.
+    /// Position of the key.
     pub key: Range<usize>,
-    /// Where its value stands.
+    /// Position of its value.
     pub value: Range<usize>,
 }
 
-/// A document as TOML.
+/// Document parsed as TOML.
 #[derive(Debug)]
 pub struct Parsed<'a> {
     document: &'a Document,
     root: Spanned<DeTable<'a>>,
 }
 
-/// What stands under a top-level key; a table, unless the user is wrong.
+/// Value of a top-level key; a table, unless the scene is wrong.
 #[derive(Debug)]
 pub struct Table<'a> {
     document: &'a Document,
@@ -36,16 +36,16 @@ pub struct Table<'a> {
 }
 
 impl Document {
-    /// Parses the text. A syntax error keeps its line.
+    /// Parses the text. A syntax error retains its line.
     ///
     /// # Errors
-    /// An input error where it is no TOML.
+    /// An input error if the text is not valid TOML.
     pub fn parsed(&self) -> Result<Parsed<'_>> {
         let root = DeTable::parse(&self.text).map_err(|e| self.explain(&e))?;
         Ok(Parsed { document: self, root })
     }
 
-    /// Parses into a serde mirror.
+    /// Parses the text into a type with a serde implementation.
     ///
     /// # Errors
     /// As for [`Document::parsed`] and [`Parsed::read`].
@@ -53,7 +53,7 @@ impl Document {
         self.parsed()?.read()
     }
 
-    /// The dotted key whose key or value covers a span ("bar.segment.0.length"); empty at the top level.
+    /// Returns the dotted key ("bar.segment.0.length") whose key or value contains a span; empty at the top level.
     pub fn key_at(&self, span: &Range<usize>) -> String {
         let Ok(table) = DeTable::parse(&self.text) else { return String::new() };
         let mut path = Vec::new();
@@ -61,7 +61,7 @@ impl Document {
         path.join(".")
     }
 
-    /// Where a dotted key's value stands; none where the text has no such key.
+    /// Returns the position of the value of a dotted key; `None` if the text does not contain the key.
     pub fn span_of(&self, key: &str) -> Option<Range<usize>> {
         let table = DeTable::parse(&self.text).ok()?;
         let mut parts = key.split('.');
@@ -78,17 +78,17 @@ impl Document {
 }
 
 impl<'a> Parsed<'a> {
-    /// There is a top-level key of this name.
+    /// Returns whether there is a top-level key of this name.
     pub fn has(&self, key: &str) -> bool {
         self.root.get_ref().contains_key(key)
     }
 
-    /// The keys at the top level.
+    /// Iterates over the keys at the top level.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         self.root.get_ref().keys().map(|key| key.get_ref().as_ref())
     }
 
-    /// The keys of a top-level table under their present names, in the order of the text; none where there is no such table.
+    /// Returns the keys of a top-level table under their present names, in the order of the text; empty if there is no such table.
     pub fn keys_in(&self, table: &str) -> Vec<GivenKey> {
         let mut given = self.root.get_ref().get(table).map_or_else(Vec::new, |value| keys(value.get_ref()));
         for key in &mut given {
@@ -97,33 +97,33 @@ impl<'a> Parsed<'a> {
         given
     }
 
-    /// Takes out what stands under a top-level key, to be read when it is known what it has to be.
+    /// Removes the value of a top-level key, which is read later when its type is known.
     pub fn take(&mut self, key: &str) -> Option<Table<'a>> {
         let value = self.root.get_mut().remove(key)?;
         Some(Table { document: self.document, value })
     }
 
-    /// Reads all that has not been taken out into a serde mirror.
+    /// Reads everything that has not been removed into a type with a serde implementation.
     ///
     /// # Errors
-    /// An input error with its place: an unknown key (the nearest right one is named), a missing key, a wrong type.
+    /// An input error with its position: an unknown key (the most similar known key is suggested), a missing key, or a wrong type.
     pub fn read<T: DeserializeOwned>(self) -> Result<T> {
         T::deserialize(Deserializer::from(self.root)).map_err(|e| self.document.explain(&e).into())
     }
 }
 
 impl Table<'_> {
-    /// Where it stands.
+    /// Returns the position of the value.
     pub fn span(&self) -> Range<usize> {
         self.value.span()
     }
 
-    /// Its keys, in the order of the text.
+    /// Returns the keys of the table, in the order of the text.
     pub fn keys(&self) -> Vec<GivenKey> {
         keys(self.value.get_ref())
     }
 
-    /// Takes out one key, as a table in the same place; what is no table stays what it is.
+    /// Removes one key and returns it as a table at the same position. A value that is not a table is returned unchanged.
     #[must_use]
     pub fn split_off(&mut self, key: &str) -> Self {
         let span = self.value.span();
@@ -134,7 +134,7 @@ impl Table<'_> {
         Self { document: self.document, value: Spanned::new(span, part) }
     }
 
-    /// Reads it into a serde mirror.
+    /// Reads the value into a type with a serde implementation.
     ///
     /// # Errors
     /// As for [`Parsed::read`].
@@ -156,7 +156,7 @@ fn covers(outer: &Range<usize>, inner: &Range<usize>) -> bool {
     outer.start <= inner.start && inner.end <= outer.end
 }
 
-/// Follows the keys down to the one that covers the span; true where one was found.
+/// Descends to the innermost key that contains the span; returns true if there is one.
 fn walk_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
     for (key, value) in table {
         path.push(key.get_ref().to_string());
@@ -170,7 +170,7 @@ fn walk_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) 
 
 fn walk_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
     let inside = match value.get_ref() {
-        // The parts of a [table] may stand anywhere in the file, so its own span says nothing about them.
+        // The parts of a [table] can be anywhere in the file, so that its own span does not show whether it contains this one.
         DeValue::Table(table) => walk_table(table, span, path),
         DeValue::Array(items) => items.iter().enumerate().any(|(i, item)| {
             path.push(i.to_string());

@@ -2,25 +2,25 @@
 
 use aligned_vec::{AVec, ConstAlign};
 
-/// Bytes of a cache line, and of the widest register.
+/// Size of a cache line and of the widest register, bytes.
 const LINE: usize = 64;
 
-/// A row of cells on the heap.
+/// A heap-allocated row of cells, aligned to cache lines.
 pub type AlignedRow = AVec<f64, ConstAlign<LINE>>;
 
-/// A row of so many cells, all of one value.
+/// Returns a row of `cells` cells, all with the same value.
 pub fn aligned_row(cells: usize, value: f64) -> AlignedRow {
     AlignedRow::from_iter(LINE, std::iter::repeat_n(value, cells))
 }
 
-/// Takes the cells from `at` on away into a row of their own.
+/// Removes the cells from index `at` on and returns them as a row of their own.
 pub fn split_off(row: &mut AlignedRow, at: usize) -> AlignedRow {
     let taken = AlignedRow::from_slice(LINE, &row[at..]);
     row.truncate(at);
     taken
 }
 
-/// A value in place.
+/// A value stored in place, aligned to a cache line.
 #[derive(Debug)]
 #[repr(align(64))]
 pub struct Aligned<T>(pub T);

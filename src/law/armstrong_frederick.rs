@@ -4,15 +4,14 @@ use super::rate::Piece;
 use super::{Backbone, CellLaw, Response};
 use crate::root::{Tolerance, fixed_point};
 
-/// A back stress a with `da = C d(eps_p) - gamma a dp`. On first loading it is `a0(p) = (C/gamma)(1 - exp(-gamma p))`. The half width of
-/// the elastic range is `f(p) - a0(p)`, so that first loading follows the curve f whatever C and gamma are; p is the accumulated plastic
-/// strain.
+/// Law with a back stress a that obeys `da = C d(eps_p) - gamma a dp`. On first loading it is `a0(p) = (C/gamma)(1 - exp(-gamma p))`. The half width
+/// of the elastic range is `f(p) - a0(p)`, so that first loading follows the curve f whatever C and gamma are; p is the accumulated plastic strain.
 ///
-/// A point that flows by d in the sense s obeys `s sigma = f(p + d) + (s a - a0(p)) exp(-gamma d)`: the curve, lowered by what the back
-/// stress lacks of that on first loading. On first loading it lacks nothing, and one table evaluation gives the stress; after a reversal d
-/// is found by secants within a bracket.
+/// A point that flows by d in the sense s obeys `s sigma = f(p + d) + (s a - a0(p)) exp(-gamma d)`: the curve, plus the difference of the back
+/// stress from its value on first loading. On first loading the difference is zero, and one table evaluation gives the stress. After a reversal, d
+/// is found by the secant method within a bracket.
 ///
-/// State: `[E p accumulated, E eps_p signed, a, a0(p)]`. Needs a curve that is the same in tension and compression.
+/// State: `[E p accumulated, E eps_p signed, a, a0(p)]`. Requires the same curve in tension and compression.
 ///
 /// Reference: P. J. Armstrong, C. O. Frederick 1966 (CEGB report RD/B/N 731; Materials at High Temperatures 24, 2007, 1).
 #[derive(Debug, Clone)]
@@ -21,43 +20,43 @@ pub struct ArmstrongFrederick<B> {
     back: BackStress,
 }
 
-/// The constants of a back stress, with plastic strains in stress units (E times the strain).
+/// Constants of a back stress, with plastic strains in stress units (E times the strain).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackStress {
-    /// C/E, > 0.
+    /// Rise of the back stress per plastic strain on first loading, C/E, > 0.
     rise: f64,
-    /// gamma/E, 1/Pa, > 0.
+    /// Recall constant gamma/E, 1/Pa, > 0.
     recall: f64,
 }
 
 impl BackStress {
-    /// From C (Pa), gamma and the elastic modulus (Pa), all > 0.
+    /// Builds the constants from C (Pa), gamma and the elastic modulus (Pa), all > 0.
     pub fn new(c: f64, gamma: f64, modulus: f64) -> Self {
         Self { rise: c / modulus, recall: gamma / modulus }
     }
 
-    /// a0 after E times the plastic strain `p` (Pa) of first loading, Pa.
+    /// Returns a0 after first loading to E times the plastic strain `p` (Pa), Pa.
     #[inline(always)]
     pub fn first_loading(&self, p: f64) -> f64 {
         -(self.rise / self.recall) * (-self.recall * p).exp_m1()
     }
 
-    /// d a0/dp at `p`.
+    /// Returns d a0/dp at `p`.
     fn slope(&self, p: f64) -> f64 {
         self.rise * (-self.recall * p).exp()
     }
 
-    /// Where d a0/dp is `slope`, Pa; none where it always is less.
+    /// Returns the `p` at which d a0/dp equals `slope`, Pa. `None` if it is smaller everywhere.
     fn with_slope(&self, slope: f64) -> Option<f64> {
         (slope < self.rise).then(|| (self.rise / slope).ln() / self.recall)
     }
 
-    /// E times the plastic strain at which the elastic range would vanish (Pa), if it does: where a0 comes to the flow stress. `pieces` are
-    /// those of f(p), the last one without end.
+    /// Returns E times the plastic strain (Pa) at which the elastic range would vanish because a0 reaches the flow stress; `None` if it does not.
+    /// `pieces` are those of f(p), of which the last one is unbounded.
     pub fn uses_up(&self, pieces: &[Piece]) -> Option<f64> {
         let ends = pieces.iter().skip(1).map(|piece| piece.start).chain([f64::INFINITY]);
         pieces.iter().zip(ends).find_map(|(&Piece { start, stress, slope }, end)| {
-            // f - a0 is convex along a piece: least where the slopes agree.
+            // f - a0 is convex along a piece: its minimum is where the slopes agree.
             let lowest =
                 if self.slope(start) <= slope { start } else { self.with_slope(slope).unwrap_or(start).min(end) };
             (stress + slope * (lowest - start).min(f64::MAX) <= self.first_loading(lowest)).then_some(lowest)
@@ -66,7 +65,7 @@ impl BackStress {
 }
 
 impl<B: Backbone> ArmstrongFrederick<B> {
-    /// `back` must leave an elastic range all along the backbone, see [`BackStress::uses_up`].
+    /// Builds the law. `back` must leave an elastic range along the whole backbone, see [`BackStress::uses_up`].
     pub fn new(backbone: B, back: BackStress) -> Self {
         Self { backbone, back }
     }
@@ -82,14 +81,14 @@ impl<B: Backbone> CellLaw<4> for ArmstrongFrederick<B> {
     fn respond(&self, _sigma: f64, predictor: f64, [p, signed, back, first]: [f64; 4]) -> Response<4> {
         let sense = 1.0_f64.copysign(predictor - back);
         let trial = sense * predictor;
-        // What the back stress lacks of that on first loading, <= 0 but for rounding.
+        // Back stress minus its value on first loading, <= 0 up to rounding.
         let lacks = sense * back - first;
         let flow = |lacks: f64| {
             let z = trial - lacks + p;
             z - p - self.backbone.yielding_stress(z, sense)
         };
         let most = flow(lacks);
-        // Not where both are infinite, along a curve that never yields.
+        // False for NaN: along a curve that never yields, both terms of the flow are infinite.
         let yields = most > 0.0;
         if !yields {
             return Response { sigma: predictor, state: [p, signed, back, first], plastic: 0.0 };
@@ -133,7 +132,7 @@ mod tests {
         ArmstrongFrederick::new(Searched(Table::new(&curve, E)), BackStress::new(C, GAMMA, E))
     }
 
-    /// Strains a point in steps to each of some strains in turn; stress, plastic strain and back stress there.
+    /// Strains a point in steps to each of several strains in turn. Returns stress, plastic strain and back stress at each of them.
     fn path(strains: &[f64], steps: usize) -> Vec<[f64; 3]> {
         let (law, mut sigma, mut state, mut from) = (law(), 0.0, [0.0; 4], 0.0);
         let mut at = |to: f64| {
@@ -158,7 +157,7 @@ mod tests {
         }
     }
 
-    /// The step is exact: a reversal and its return in one step or in a thousand.
+    /// The step is exact: a reversal and the return give the same result in one step as in a thousand.
     #[test]
     fn the_length_of_the_steps_makes_no_difference() {
         let strains = [0.02, -0.01, 0.015, -0.05];
@@ -192,7 +191,7 @@ mod tests {
         let level = [piece(0.0, 200e6, 0.0)];
         assert_eq!(BackStress::new(30e9, 200.0, E).uses_up(&level), None);
         assert!(BackStress::new(30e9, 100.0, E).uses_up(&level).is_some());
-        // Only between 0 and where the slopes agree.
+        // The elastic range vanishes only between 0 and the plastic strain at which the slopes agree.
         let rising = [piece(0.0, 100e6, 0.001), piece(E * 0.05, 110e6, 0.1)];
         assert!(BackStress::new(30e9, 200.0, E).uses_up(&rising).is_some_and(|p| p > 0.0 && p < E * 0.05));
     }

@@ -1,27 +1,27 @@
-//! The loading curve in stress units, in forms for fast evaluation by the kernels.
+//! Loading curves in stress units, in forms for fast evaluation by the kernels.
 //!
-//! A table is `y = g(z)`, z = E eps >= 0, straight between knots, never falling, with slopes dy/dz = `E_k/E` in 0..=1.
-//! The first segment has slope exactly 1 up to the elastic limit, so reading it there returns z itself.
+//! A table is a function `y = g(z)` of z = E eps >= 0. It is linear between knots and never falls; its slopes dy/dz = `E_k/E` lie in 0..=1.
+//! The first segment has slope exactly 1 up to the elastic limit, where g(z) is z itself.
 
 use super::CHUNK;
 use crate::material::{Beyond, Curve, SLOPE_ROUND_OFF};
 
-/// A loading curve that a kernel can read. `sign` has the sign of the loading (tension positive); only
-/// [`TwoSided`] looks at it.
+/// A loading curve that a kernel can evaluate. `sign` has the sign of the loading (tension positive); only
+/// [`TwoSided`] uses it.
 pub trait Backbone: Send + Sync {
-    /// Reading many at once is quicker than one by one.
+    /// Whether evaluation for many cells at once is faster than one by one.
     const AT_ONCE: bool = false;
 
-    /// g(z), Pa, for z >= 0.
+    /// Returns g(z), Pa, for z >= 0.
     fn stress(&self, z: f64, sign: f64) -> f64;
 
-    /// [`Self::stress`] where it is below z; at least z elsewhere.
+    /// Returns [`Self::stress`] where it is below z, and a value >= z elsewhere.
     #[inline(always)]
     fn yielding_stress(&self, z: f64, sign: f64) -> f64 {
         self.stress(z, sign)
     }
 
-    /// [`Self::stress`] of neighbouring cells, into `y`; all of one length.
+    /// Writes [`Self::stress`] of neighbouring cells into `y`. All slices have the same length.
     #[inline(always)]
     fn stresses(&self, z: &[f64], sign: &[f64], y: &mut [f64]) {
         for ((y, z), sign) in y.iter_mut().zip(z).zip(sign) {
@@ -30,10 +30,10 @@ pub trait Backbone: Send + Sync {
     }
 }
 
-/// One line of the table: `y = offset + slope * z` from `start` on.
+/// One line of a table: `y = offset + slope * z` for z >= `start`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
-    /// z from which it holds, Pa.
+    /// z at which the line starts, Pa.
     pub start: f64,
     /// y at z = 0, Pa.
     pub offset: f64,
@@ -48,47 +48,48 @@ impl Line {
     }
 }
 
-/// The table itself: its lines in order, the last one without end.
+/// A loading table: its lines in order, of which the last one is unbounded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     lines: Vec<Line>,
     end: f64,
 }
 
-/// Slopes closer than this (relative) are one line: knots of tables computed from formulas lie that close to
+/// Relative difference of slopes up to which two segments count as one line. The knots of tables computed from formulas lie that close to
 /// their line, and any physical change of slope is far larger.
 const SAME_SLOPE: f64 = 1e-12;
 
-/// A chord of a table.
+/// A chord of a table, with its distance from the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chord {
     /// (z, y) at both ends, Pa.
     pub ends: [[f64; 2]; 2],
-    /// Largest difference in stress to the table between them, Pa.
+    /// Largest difference in stress between chord and table, Pa.
     pub distance: f64,
 }
 
 impl Chord {
-    /// Largest difference to the table over rho (change of velocity)^2 of a wave that runs along the chord, for the modulus of the table, Pa.
+    /// Returns the largest difference in stress divided by rho (velocity change)^2 of a wave that runs along the chord. `modulus` is that of the
+    /// table, Pa.
     pub fn relative_distance(&self, modulus: f64) -> f64 {
         let [from, to] = self.ends;
         self.distance * modulus / ((to[1] - from[1]) * (to[0] - from[0]))
     }
 }
 
-/// Slope of the line through two points (z, y).
+/// Returns the slope of the line through two points (z, y).
 fn slope(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[1] - from[1]) / (to[0] - from[0])
 }
 
-/// Stress at z of the line through two points (z, y), Pa.
+/// Returns the stress at z on the line through two points (z, y), Pa.
 fn stress_on([from, to]: [[f64; 2]; 2], z: f64) -> f64 {
     from[1] + slope(from, to) * (z - from[0])
 }
 
 impl Table {
-    /// The table of a loading curve with elastic modulus `modulus` (Pa, >= every slope of the curve). Drops in
-    /// stress are filled (see [`Curve::running_maximum`]): a falling stress cannot travel as a wave.
+    /// Builds the table of a loading curve with elastic modulus `modulus` (Pa, >= every slope of the curve). Drops in
+    /// stress are filled (see [`Curve::running_maximum`]), because a falling stress cannot travel as a wave.
     pub fn new(curve: &Curve, modulus: f64) -> Self {
         let curve = curve.running_maximum();
         let mut lines: Vec<Line> = Vec::with_capacity(curve.strain().len());
@@ -98,7 +99,7 @@ impl Table {
             if lines.last().is_some_and(|last| (last.slope - slope).abs() <= SAME_SLOPE) {
                 continue;
             }
-            // On the elastic line a knot lies where its stress says, so that both lines meet there exactly.
+            // The strain of a knot on the elastic line is computed from its stress, so that both lines meet there exactly.
             let on_elastic_line = lines.len() == 1 && lines[0].slope == 1.0;
             let y = curve.stress()[k];
             let z = if on_elastic_line { y } else { modulus * curve.strain()[k] };
@@ -117,45 +118,45 @@ impl Table {
         Self { lines, end }
     }
 
-    /// The lines, in order of `start`; at least one.
+    /// Returns the lines, in order of `start`; at least one.
     pub fn lines(&self) -> &[Line] {
         &self.lines
     }
 
-    /// z of the last knot, Pa; infinite where the curve goes on.
+    /// Returns z of the last knot, Pa; infinite if the curve is extended.
     pub fn end(&self) -> f64 {
         self.end
     }
 
-    /// True where the curve comes to its last knot along a line parallel to the elastic one, or along that itself.
+    /// Returns true if the last segment before the end of the data is parallel to the elastic line, or is the elastic line itself.
     pub fn ends_elastic(&self) -> bool {
         self.end.is_finite() && matches!(self.lines[..], [.., last, level] if last.slope == 1.0 && level.slope == 0.0)
     }
 
-    /// y at z >= 0, Pa.
+    /// Returns y at z >= 0, Pa.
     fn at(&self, z: f64) -> f64 {
         let k = self.lines.partition_point(|l| l.start <= z).max(1) - 1;
         self.lines[k].at(z)
     }
 
-    /// E times the plastic strain of a point that first loads to z, Pa; infinite where z is.
+    /// Returns E times the plastic strain of a point that first loads to z, Pa; infinite if z is.
     pub fn plastic_strain(&self, z: f64) -> f64 {
         if z.is_finite() { z - self.at(z) } else { z }
     }
 
-    /// End of the elastic line, Pa: 0 where the curve leaves it at once, infinite where it never does.
+    /// Returns the end of the elastic line, Pa: 0 if the curve leaves it at the origin, infinite if it never leaves it.
     pub fn yield_stress(&self) -> f64 {
         if self.lines[0].slope < 1.0 { 0.0 } else { self.lines.get(1).map_or(f64::INFINITY, |l| l.start) }
     }
 
-    /// True where hardening runs along more than one line and slopes fall: elastic-perfectly-plastic elements in parallel
-    /// have this curve, and differ from one line of hardening.
+    /// Returns true if the hardening part consists of more than one line and slopes fall. Elastic-perfectly-plastic elements in parallel
+    /// have such a curve; they differ from hardening along a single line.
     pub fn is_multilinear(&self) -> bool {
         self.lines.len() > 2 && self.is_concave()
     }
 
-    /// The chords of the concave hull under which the table lies by more than this part of its stress. Loading waves that run along them are
-    /// shocks.
+    /// Returns the chords of the concave hull that lie above the table by more than `scatter` times its stress. Loading waves that run along them
+    /// are shocks.
     pub fn chords(&self, scatter: f64) -> Vec<Chord> {
         let mut knots: Vec<[f64; 2]> = self.lines.iter().map(|line| [line.start, line.at(line.start)]).collect();
         let last = self.lines[self.lines.len() - 1];
@@ -180,8 +181,8 @@ impl Table {
         hull.windows(2).filter_map(|pair| chord(pair[0], pair[1])).collect()
     }
 
-    /// Chords from the origin to points of the table beyond yield, up to twice the strain of its last knot, each sqrt(2) times as long as the one
-    /// before; none without knots beyond the elastic line. Shocks of unloading along the table run along such chords.
+    /// Returns chords from the origin to points of the table beyond yield, up to twice the strain of its last knot; the lengths form a geometric
+    /// series with ratio sqrt(2). Empty if the table has no knots beyond the elastic line. Unloading shocks along the table run along such chords.
     pub fn chords_from_origin(&self) -> impl Iterator<Item = Chord> {
         let [first, last] = match self.lines[..] {
             [_, first, .., last] => [first.start, 2.0 * last.start],
@@ -197,13 +198,14 @@ impl Table {
         })
     }
 
-    /// Plastic strains of first loading at the knots at which slopes grow, times E, ascending, Pa.
+    /// Returns E times the plastic strains of first loading at the knots at which the slope increases, ascending, Pa.
     pub fn stiffenings(&self) -> impl Iterator<Item = f64> {
         let plastic = |line: &Line| line.start - line.at(line.start);
         self.lines.windows(2).filter(|w| w[1].slope > w[0].slope).map(move |w| plastic(&w[1]))
     }
 
-    /// E times the change of velocity, over c0, by which first loading comes to the first knot at which slopes grow, Pa; infinite without one.
+    /// Returns E/c0 times the velocity change by which first loading reaches the first knot at which the slope increases, Pa; infinite if there is
+    /// none.
     pub fn velocity_to_stiffening(&self) -> f64 {
         let mut velocity = 0.0;
         for pair in self.lines.windows(2) {
@@ -215,14 +217,14 @@ impl Table {
         f64::INFINITY
     }
 
-    /// True where slopes never grow along the table: it is then the lowest of its lines.
+    /// Returns true if the slope never increases along the table. The table is then the minimum of its lines.
     pub fn is_concave(&self) -> bool {
         self.lines.windows(2).all(|w| w[1].slope <= w[0].slope)
     }
 }
 
-/// Few lines of a concave table: g(z) is the lowest of them; no look-up at all. `K` lines, padded by repetition; the first one is the elastic
-/// line.
+/// Concave table with few lines: g(z) is the minimum of the lines, without a table look-up. Holds `K` lines, padded by repetition; the first one is
+/// the elastic line.
 #[derive(Debug, Clone)]
 pub struct Envelope<const K: usize> {
     offset: [f64; K],
@@ -230,7 +232,7 @@ pub struct Envelope<const K: usize> {
 }
 
 impl<const K: usize> Envelope<K> {
-    /// None where the table has more than `K` lines or is not concave.
+    /// Builds the envelope. Returns `None` if the table has more than `K` lines or is not concave.
     pub fn new(table: &Table) -> Option<Self> {
         let elastic = Line { start: 0.0, offset: 0.0, slope: 1.0 };
         let beyond = table.lines().iter().filter(|line| line.slope < 1.0);
@@ -266,32 +268,32 @@ impl<const K: usize> Backbone for Envelope<K> {
     }
 }
 
-/// Most bins that an [`Indexed`] table may use. Only those it does use take part in the cache.
+/// Largest number of bins of an [`Indexed`] table. Only the bins in use occupy the cache.
 const BINS: usize = 4096;
 
-/// Many lines: a grid of bins over z, no more than one knot in each, so that one comparison picks the line.
+/// Table with many lines: a grid of bins over z with at most one knot each, so that one comparison selects the line.
 ///
-/// The bin is read off the leading bits of the number `z + bias`: its exponent and the first bits of its mantissa.
-/// Bins are thus evenly spaced near zero (below `bias`) and grow in proportion to z beyond, as the knots of
-/// stress-strain tables do; and the bin of a number costs an addition, a shift and a subtraction.
+/// The bin is given by the leading bits of the number `z + bias`: its exponent and the first bits of its mantissa.
+/// Bins are thus evenly spaced near zero (below `bias`), and their width grows in proportion to z beyond, as the knot spacing of
+/// stress-strain tables does. Finding the bin of a number costs an addition, a shift and a subtraction.
 #[derive(Debug, Clone)]
 pub struct Indexed {
     grid: BinGrid,
     lines: Vec<Line>,
-    /// Number of the line with which a bin begins.
+    /// Index of the line at the start of each bin.
     line: Box<[u16; BINS]>,
     knot: Box<[f64; BINS]>,
     offset: Box<[f64; 2 * BINS]>,
     slope: Box<[f64; 2 * BINS]>,
 }
 
-/// Maps z >= 0 to a bin, never falling.
+/// Monotonic map from z >= 0 to a bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct BinGrid {
     bias: f64,
     shift: u32,
     first: u64,
-    /// z from which everything is in the last bin.
+    /// z from which on all values lie in the last bin.
     top: f64,
 }
 
@@ -306,7 +308,7 @@ impl BinGrid {
         (((z + self.bias).to_bits() >> self.shift) - self.first) as usize
     }
 
-    /// The grid with the fewest bins that keeps all knots apart, which rise from 0; none where that takes more than [`BINS`].
+    /// Returns the grid with the fewest bins in which no two knots share a bin; knots ascend from 0. Returns `None` if this takes more than [`BINS`].
     fn for_knots(knots: &[f64]) -> Option<Self> {
         let top = knots[knots.len() - 1];
         let mut best: Option<Self> = None;
@@ -325,17 +327,17 @@ impl BinGrid {
     }
 }
 
-/// Which of many pieces holds at z, where nothing else has to be known of them.
+/// Index that finds which of many pieces contains z, independent of what the pieces are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PieceIndex {
     grid: BinGrid,
-    /// The piece with which a bin begins, and where the next one starts if it starts in it.
+    /// For each bin, the piece at its start, and the start of the next piece if that lies in the bin (else infinite).
     bins: Vec<(u32, f64)>,
 }
 
 impl PieceIndex {
-    /// Of pieces that start at these places, which rise from 0; none where there is only one, or they lie so unevenly that the grid would
-    /// need more than 4096 bins.
+    /// Builds the index for pieces with these starts, which ascend from 0. Returns `None` if there is only one piece, or if the starts are so
+    /// unevenly spaced that the grid would need more than 4096 bins.
     pub fn new(starts: &[f64]) -> Option<Self> {
         if starts.len() < 2 {
             return None;
@@ -353,7 +355,7 @@ impl PieceIndex {
         Some(Self { grid, bins })
     }
 
-    /// The piece at z; the first one below 0.
+    /// Returns the piece at z; the first one for z < 0.
     #[inline(always)]
     pub fn find(&self, z: f64) -> u32 {
         let (piece, next) = self.bins[self.grid.bin(if z > 0.0 { z } else { 0.0 })];
@@ -362,7 +364,8 @@ impl PieceIndex {
 }
 
 impl Indexed {
-    /// None where knots lie so unevenly that the grid would need more than 4096 bins.
+    /// Builds the index. Returns `None` if the table has only one line, or if knots are so unevenly spaced that the grid would need more than 4096
+    /// bins.
     pub fn new(table: &Table) -> Option<Self> {
         let lines = table.lines();
         if lines.len() < 2 {
@@ -395,13 +398,13 @@ impl Indexed {
     }
 }
 
-/// A boxed array of one value, made on the heap.
+/// Returns a boxed array filled with one value, allocated on the heap.
 fn boxed<T: Copy, const N: usize>(value: T) -> Box<[T; N]> {
     vec![value; N].into_boxed_slice().try_into().unwrap_or_else(|_| Box::new([value; N]))
 }
 
 impl Indexed {
-    /// The line that holds at z.
+    /// Returns the index of the line at z.
     #[inline(always)]
     fn line_at(&self, z: f64) -> usize {
         let bin = self.grid.bin(z) & (BINS - 1);
@@ -409,18 +412,18 @@ impl Indexed {
     }
 }
 
-/// Reading all lines between two, one after the other for many cells, costs more than finding each cell's own beyond this
-/// number.
+/// Largest number of lines that are evaluated one after the other for all cells at once. Beyond this number, finding the line of each
+/// cell is faster.
 const LINES_AT_ONCE: usize = 32;
 
 impl Backbone for Indexed {
     const AT_ONCE: bool = true;
 
-    /// Neighbouring cells mostly lie on few lines: those between the lines of the least and the largest z are gone through in
-    /// order, for all cells side by side.
+    /// Evaluates many cells at once. Neighbouring cells mostly lie on few lines: all lines between those of the smallest and the largest z are
+    /// evaluated in order, for all cells side by side.
     #[inline(always)]
     fn stresses(&self, z: &[f64], sign: &[f64], y: &mut [f64]) {
-        // Numbers >= 0 compare as their bits do, for which compilers know better loops.
+        // Non-negative numbers are compared by their bits, for which compilers generate faster loops.
         let (mut least, mut largest) = (u64::MAX, 0);
         for z in z {
             least = least.min(z.to_bits());
@@ -453,7 +456,7 @@ impl Backbone for Indexed {
     }
 }
 
-/// Any table at all: binary search. For tables that [`Indexed`] cannot hold.
+/// Any table, evaluated by binary search. For tables that [`Indexed`] cannot hold.
 #[derive(Debug, Clone)]
 pub struct Searched(pub Table);
 
@@ -467,9 +470,9 @@ impl Backbone for Searched {
 /// Different tables in tension and compression.
 #[derive(Debug, Clone)]
 pub struct TwoSided<B> {
-    /// For a positive sign.
+    /// Table for a positive sign.
     pub tension: B,
-    /// For a negative sign, magnitudes.
+    /// Table for a negative sign, in magnitudes.
     pub compression: B,
 }
 

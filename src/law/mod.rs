@@ -1,12 +1,12 @@
-//! Material laws for the solvers: state and strain increment in, stress out.
+//! Material laws for the solvers. A law maps the state of a cell and a strain increment to the stress and the new state.
 //!
-//! All laws work in stress units. A cell's strain enters as E times strain, so that the elastic step is
+//! All laws work in stress units. The strain of a cell enters as E times strain, so that the elastic step is
 //! `sigma + E d_eps` with no division, and so that a law reduces to the elastic one **bit for bit** until the
 //! cell first yields. Solvers use this: rows of cells that have never yielded run the elastic kernel and carry
 //! no plastic state at all.
 //!
-//! A law is pure: it takes the elastic predictor and the state at the start of a step and returns those at its
-//! end. State is exactly what the law needs, `N` numbers a cell of a [`CellLaw`].
+//! A law is a pure function: it receives the elastic predictor and the state at the start of a step and returns the stress and
+//! the state at its end. The state contains exactly what the law needs: `N` numbers per cell of a [`CellLaw`].
 
 mod aligned;
 mod armstrong_frederick;
@@ -42,28 +42,31 @@ pub use reversals::Reversals;
 
 pub use row::{Advanced, Row, any_flows, flows, piece_flows};
 
-/// Cells that sums run over side by side. Sums over cells keep one partial sum a lane, so that their bits do
-/// not depend on how wide the processor's registers are.
+/// Number of partial sums (lanes) of a sum over cells. A fixed number makes the bits of the sum independent of the width of the
+/// processor's registers.
 pub const LANES: usize = 8;
 
-/// Cells of a row that are stepped together.
+/// Number of cells of a row that are advanced together.
 pub const CHUNK: usize = 64;
 
-/// Distance from yield, relative to the stress, within which a cell's own return mapping decides. The difference between a stress and that on
-/// the curve, which the mapping compares, is this times 1 less the slope of the curve: above rounding up to a slope of 1 - 1e-6.
+/// Relative distance of a stress from yield within which only the return mapping of the cell decides whether it flows. The mapping compares the
+/// stress with the stress on the curve. Their difference is this distance times (1 - slope of the curve), which exceeds rounding for slopes up to 1 -
+/// 1e-6.
 const CLOSE_TO_YIELD: f64 = 1e-9;
 
-/// Least part of a strain that is plastic in a cell that flows on; else its curve is elastic there. Likewise, most of its plastic strain of a step by which a
-/// cell goes on flowing in time.
+/// Smallest plastic fraction of a strain increment for which [`CellLaw::flow_on`] lets a cell flow further; below it the curve counts as elastic
+/// there. Also the largest fraction of the plastic strain by which the cell may flow without a strain increment (viscoplastic flow) or while it
+/// unloads.
 const LEAST_FLOW: f64 = 1e-3;
 
-/// Largest stress in either sense within an elastic range, Pa, but for what is [`CLOSE_TO_YIELD`]; 0 of a range that has moved beyond 0.
+/// Returns the largest stress magnitude (Pa) that lies inside the elastic range in both senses, with a margin of 2 [`CLOSE_TO_YIELD`]. Returns 0 if
+/// the range does not contain 0.
 fn within([low, high]: [f64; 2]) -> f64 {
     let margin = 2.0 * CLOSE_TO_YIELD * (high.abs() + low.abs());
     (high - margin).min(-low - margin).max(0.0)
 }
 
-/// One step of one cell.
+/// Result of one step of one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response<const N: usize> {
     /// Stress at the end of the step, Pa.
@@ -75,36 +78,36 @@ pub struct Response<const N: usize> {
 }
 
 impl<const N: usize> Response<N> {
-    /// Effective stress at the start of the step, which began at stress `sigma`, times `plastic`, Pa^2. It is negative where the cell
-    /// comes from the other side of its elastic range: such a cell flows at the stress of the end of the step, since the mean stress of
-    /// the step may be of the other sign. All others flow at the mean stress.
+    /// Returns `plastic` times the effective stress at the start of the step, which began at stress `sigma`, Pa^2. It is negative if the cell crosses
+    /// its elastic range from the other side. The plastic work of such a cell is that of the stress at the end of the step, since the mean stress of
+    /// the step may have the other sign. The plastic work of all other cells is that of the mean stress.
     #[inline(always)]
     pub fn onset(&self, sigma: f64, back_stress: f64) -> f64 {
         (sigma - back_stress) * self.plastic
     }
 }
 
-/// One step of neighbouring cells.
+/// Results of one step of neighbouring cells.
 #[derive(Debug)]
 pub struct Steps<const N: usize, const W: usize = CHUNK> {
-    /// As in [`Response`], cell by cell.
+    /// Stress of each cell at the end of the step, Pa, as in [`Response`].
     pub sigma: [f64; W],
-    /// As in [`Response`], variable by variable.
+    /// State of each cell at the end of the step, one array per state variable, as in [`Response`].
     pub state: [[f64; W]; N],
-    /// As in [`Response`], cell by cell.
+    /// E times the plastic strain increment of each cell, Pa, as in [`Response`].
     pub plastic: [f64; W],
-    /// 1 in cells whose step is known, else 0.
+    /// 1 for each cell whose result has been computed, else 0.
     pub known: [u64; W],
 }
 
 impl<const N: usize, const W: usize> Steps<N, W> {
-    /// Of none of the cells.
+    /// Returns results in which no cell is known.
     #[inline(always)]
     fn unknown() -> Self {
         Self { sigma: [0.0; W], state: [[0.0; W]; N], plastic: [0.0; W], known: [0; W] }
     }
 
-    /// Of cell `i`.
+    /// Returns the result of cell `i`.
     #[inline(always)]
     fn of(&self, i: usize) -> Response<N> {
         let mut state = [0.0; N];
@@ -123,76 +126,78 @@ impl<const N: usize, const W: usize> Steps<N, W> {
     }
 }
 
-/// What a cell went through before t = 0, slowly.
+/// Slow deformation of a cell before t = 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Deformed {
     /// E times the signed plastic strain, Pa.
     pub plastic: f64,
-    /// E times the accumulated plastic strain, Pa, >= the size of `plastic`.
+    /// E times the accumulated plastic strain, Pa, >= |`plastic`|.
     pub accumulated: f64,
     /// Temperature above the reference temperature, K, >= 0.
     pub temperature_rise: f64,
 }
 
-/// A law with `N` state numbers a cell. Pure; `predictor` is `base + E d_eps`.
+/// A material law with `N` state numbers per cell, as pure functions. `predictor` is `base + E d_eps`.
 pub trait CellLaw<const N: usize>: Send + Sync + Sized {
-    /// What the strain increment is added to: the stress, or the total E eps.
+    /// Returns the quantity to which the strain increment is added: the stress, or the total E eps.
     fn base(&self, sigma: f64, state: [f64; N]) -> f64;
 
-    /// The cell at the end of a step that began at stress `sigma`.
+    /// Returns the cell at the end of a step that began at stress `sigma`.
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N>;
 
-    /// Negative where the plastic work of a step is not that of its mean stress, but [`Self::turned_work`]: where the cell comes from the
-    /// other side of its elastic range, see [`Response::onset`], or flows in both senses.
+    /// Returns a negative number if the plastic work of a step is not that of its mean stress, but [`Self::turned_work`]: if the cell crosses its
+    /// elastic range from the other side (see [`Response::onset`]), or flows in both senses.
     #[inline(always)]
     fn onset(&self, sigma: f64, state: [f64; N], after: &Response<N>) -> f64 {
         after.onset(sigma, self.back_stress(state))
     }
 
-    /// The plastic work of such a step times 2 E per volume, Pa^2.
+    /// Returns the plastic work of such a step times 2 E per volume, Pa^2.
     #[inline(always)]
     fn turned_work(&self, _state: [f64; N], after: &Response<N>) -> f64 {
         2.0 * after.sigma * after.plastic
     }
 
-    /// The law reads a table that is read faster for many cells at once: `respond` is then `table_abscissa`, `interpolate`, `return_map`.
+    /// Whether the law reads a table that is faster to read for many cells at once. `respond` then equals `table_abscissa`, `interpolate` and
+    /// `return_map` in turn.
     const READS_TABLE: bool = false;
 
-    /// Where the law reads its table, Pa, >= 0.
+    /// Returns the abscissa at which the law reads its table, Pa, >= 0.
     #[inline(always)]
     fn table_abscissa(&self, _predictor: f64, _state: [f64; N]) -> f64 {
         0.0
     }
 
-    /// Reads the table for neighbouring cells: what they [`Self::table_abscissa`] and their predictors to the stresses there, Pa.
+    /// Reads the table for neighbouring cells, given their [`Self::table_abscissa`] and predictors. Writes the stresses into `table`, Pa.
     #[inline(always)]
     fn interpolate(&self, _reach: &[f64], _predictor: &[f64], _table: &mut [f64]) {}
 
-    /// [`Self::respond`], given the table's stress where the law asked for it; for laws that do.
+    /// Returns [`Self::respond`], given the stress of the table at [`Self::table_abscissa`]. Only for laws with [`Self::READS_TABLE`].
     #[inline(always)]
     fn return_map(&self, predictor: f64, state: [f64; N], _table: f64) -> Response<N> {
         self.respond(predictor, predictor, state)
     }
 
-    /// [`Self::is_elastic_up_to`] is known: neighbouring cells that all stay elastic take a short way.
+    /// Whether the law implements [`Self::is_elastic_up_to`]. Neighbouring cells that all stay elastic are then advanced by a shorter kernel.
     const BOUNDS_ELASTICITY: bool = false;
 
-    /// True where all cells stay elastic whose predictors are at most of this `size` and whose [`Self::accumulated`] is at least this, Pa.
-    /// False also where they may or may not.
+    /// Returns true if every cell with |predictor| <= `size` (Pa) and [`Self::accumulated`] >= `accumulated` (Pa) stays elastic.
+    /// Returns false if this is not certain.
     #[inline(always)]
     fn is_elastic_up_to(&self, _size: f64, _accumulated: f64) -> bool {
         false
     }
 
-    /// Stress up to which all of these cells stay elastic in either sense, and their states as they are, Pa; 0 where that is not known.
-    /// None of them yields below `yield_stress`.
+    /// Returns the stress magnitude (Pa) up to which all of these cells stay elastic in either sense with their states unchanged; 0 if it is not
+    /// known. No cell yields below `yield_stress`.
     fn elastic_up_to(&self, _yield_stress: f64, _cells: impl Iterator<Item = [f64; N]>) -> f64 {
         0.0
     }
 
-    /// A cell under stress `sigma`, which has just flowed, after it flowed on by about E times this plastic strain (Pa, not 0) and the strain that this takes
-    /// was taken back. Also the work of the plastic strain times 2 E per volume, Pa^2. None where the cell does not unload
-    /// elastically, where it goes on flowing by itself, in time, and where the curve is very nearly as steep as the elastic line.
+    /// Lets a cell under stress `sigma`, which has just flowed, flow by about `plastic` more (E times plastic strain, Pa, not 0) and then takes back
+    /// the strain that this needed. Returns the cell after that, and the work of the plastic strain times 2 E per volume, Pa^2. Returns `None` if the
+    /// cell does not unload elastically, if it flows without a strain increment (rate-dependent laws), or if the curve is very nearly as steep as the
+    /// elastic line.
     fn flow_on(&self, sigma: f64, plastic: f64, state: [f64; N]) -> Option<(Response<N>, f64)> {
         let strained = |sigma: f64, state: [f64; N], increment: f64| {
             self.respond(sigma, self.base(sigma, state) + increment, state)
@@ -211,11 +216,11 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         Some((Response { plastic: flowed.plastic + after.plastic, ..after }, work))
     }
 
-    /// E times the signed plastic strain, Pa.
+    /// Returns E times the signed plastic strain, Pa.
     fn plastic_strain(&self, state: [f64; N]) -> f64;
 
-    /// The state after slow loading and unloading. This one is that of first loading to the signed plastic strain, which is all that a law
-    /// needs whose hardening has a sense; the temperature is that of its start.
+    /// Returns the state after slow loading and unloading. The default is the state after first loading to the signed plastic strain; a law whose
+    /// hardening has a sense needs no more. The temperature of `Deformed` is not used.
     fn deformed(&self, Deformed { plastic, .. }: &Deformed) -> [f64; N] {
         let plastic = *plastic;
         if plastic == 0.0 {
@@ -230,38 +235,38 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
         loaded(bisect([low, high], 0.0, falls_short))
     }
 
-    /// E times the accumulated plastic strain, Pa, >= 0.
+    /// Returns E times the accumulated plastic strain, Pa, >= 0.
     fn accumulated(&self, state: [f64; N]) -> f64;
 
-    /// E times the plastic strain of first loading to where the law reads its table, Pa, >= 0.
+    /// Returns E times the plastic strain of first loading to the point at which the law reads its table, Pa, >= 0.
     fn along_table(&self, state: [f64; N]) -> f64 {
         self.accumulated(state)
     }
 
-    /// Middle of the elastic range, as far as hardening moves it, Pa.
+    /// Returns the back stress, Pa: the middle of the elastic range as far as hardening moves it.
     fn back_stress(&self, _state: [f64; N]) -> f64 {
         0.0
     }
 
-    /// What the cell remembers of reversals; nothing in most laws.
+    /// Returns the reversals that the cell remembers. Most laws remember none.
     fn reversals(&self, _state: [f64; N]) -> Reversals {
         Reversals::default()
     }
 
-    /// The sense in which the cell flows if it flows.
+    /// Returns the sense in which the cell flows, if it flows.
     fn sense(&self, sigma: f64, state: [f64; N]) -> Sense {
         Sense::of(sigma - self.back_stress(state))
     }
 
-    /// The cell flows, it is not elastic.
+    /// Returns true if the cell is flowing rather than elastic.
     fn yields(&self, sigma: f64, state: [f64; N]) -> bool {
         data_end::yields(self, sigma, state)
     }
 
-    /// Plastic strain takes time: those below mean something.
+    /// Whether plastic strain takes time (viscoplastic laws). Only then do the functions below have a meaning.
     const TAKES_TIME: bool = false;
 
-    /// [`Self::respond`] for neighbouring cells, `known` being set in those that it was done for: a plain formula that holds for most of them.
+    /// Computes [`Self::respond`] for neighbouring cells by a closed formula that holds for most of them, and sets `known` for these.
     #[inline(always)]
     fn respond_to_most<const W: usize>(
         &self,
@@ -272,39 +277,40 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     ) {
     }
 
-    /// [`Self::respond`] for a cell of which [`Self::respond_to_most`] does not know.
+    /// Computes [`Self::respond`] for a cell for which [`Self::respond_to_most`] has no result.
     #[inline(always)]
     fn respond_to_other(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         self.respond(sigma, predictor, state)
     }
 
-    /// E times the work of the overstress over the static curve since the start, per volume, Pa^2.
+    /// Returns E times the work of the overstress above the static curve since the start, per volume, Pa^2.
     fn overstress_work(&self, _state: [f64; N]) -> f64 {
         0.0
     }
 
-    /// With [`Self::TAKES_TIME`]: plastic strain is growing.
+    /// With [`Self::TAKES_TIME`]: returns true if the plastic strain is growing.
     fn flows(&self, _state: [f64; N]) -> bool {
         false
     }
 
-    /// In its latest step the cell came to its static curve, or nearly.
+    /// Returns true if the cell came to its static curve in its latest step, or nearly.
     fn keeps_up(&self, _state: [f64; N]) -> bool {
         true
     }
 
-    /// Temperature, K; not a number for laws that know none.
+    /// Returns the temperature, K; NaN for laws without a temperature.
     fn temperature(&self, _state: [f64; N]) -> f64 {
         f64::NAN
     }
 
-    /// Fraction of the plastic work that turns into heat.
+    /// Returns the fraction of the plastic work that turns into heat.
     fn heat_fraction(&self) -> f64 {
         0.0
     }
 }
 
-/// [`CellLaw::respond`] of a law that knows most cells at once: a cell alone takes the way that it takes among others.
+/// Computes [`CellLaw::respond`] for a law with [`CellLaw::respond_to_most`], by the operations that the cell would see among others. The bits
+/// therefore do not depend on how many cells are advanced at once.
 #[inline]
 fn respond_alone<L: CellLaw<N>, const N: usize>(law: &L, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
     let mut alone = Steps::<N, 1>::unknown();
@@ -312,82 +318,81 @@ fn respond_alone<L: CellLaw<N>, const N: usize>(law: &L, sigma: f64, predictor: 
     if alone.known[0] == 0 { law.respond_to_other(sigma, predictor, state) } else { alone.of(0) }
 }
 
-/// A law as a solver holds it: whole rows at a time, chosen once a run.
+/// Interface of a law to the solvers: operates on whole rows of cells and is chosen once per run.
 ///
-/// `state` holds `state_len()` numbers a cell, one state variable after the other.
+/// `state` holds `state_len()` numbers per cell, one state variable after the other.
 pub trait RowLaw: Send + Sync {
-    /// State numbers a cell.
+    /// Returns the number of state variables per cell.
     fn state_len(&self) -> usize;
 
-    /// One step of the row.
+    /// Advances the row by one step.
     fn advance(&self, row: Row<'_>, state: &mut [f64]) -> Advanced;
 
-    /// As [`CellLaw::flow_on`], for cell `i` of a row. Returns E times the plastic strain, Pa, and its work times 2 E per volume, Pa^2: both 0 where nothing
-    /// is done.
+    /// Applies [`CellLaw::flow_on`] to cell `i` of a row. Returns E times the plastic strain, Pa, and its work times 2 E per volume, Pa^2. Both are 0
+    /// if the cell is left unchanged.
     fn flow_on(&self, plastic: f64, i: usize, sigma: &mut [f64], state: &mut [f64]) -> [f64; 2];
 
-    /// As [`RowLaw::advance`], with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
+    /// Advances the row as [`RowLaw::advance`] does, with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
 
-    /// As in [`CellLaw::elastic_up_to`], for all cells of a row.
+    /// Returns [`CellLaw::elastic_up_to`] for all cells of a row, Pa.
     fn elastic_up_to(&self, yield_stress: f64, state: &[f64]) -> f64;
 
-    /// True where another step without strain would change no bit of these cells of the row.
+    /// Returns true if another step without strain would change no bit of these cells of the row.
     fn rests(&self, sigma: &[f64], state: &[f64], cells: Range<usize>) -> bool;
 
-    /// Notes the cells of a row that have come to a limit of what the law knows.
+    /// Records the cells of a row that have reached a limit of the law.
     fn note_limits(&self, end: &DataEnd, row: &StrainedRow<'_>, passed: &mut FirstPassed);
 
-    /// E times the signed plastic strain of cell `i` of a row, Pa.
+    /// Returns E times the signed plastic strain of cell `i` of a row, Pa.
     fn plastic_strain(&self, state: &[f64], i: usize) -> f64;
 
-    /// E times the accumulated plastic strain of cell `i` of a row, Pa.
+    /// Returns E times the accumulated plastic strain of cell `i` of a row, Pa.
     fn accumulated(&self, state: &[f64], i: usize) -> f64;
 
-    /// Middle of the elastic range of cell `i` of a row, as far as hardening moves it, Pa.
+    /// Returns the back stress of cell `i` of a row, Pa.
     fn back_stress(&self, state: &[f64], i: usize) -> f64;
 
-    /// What cell `i` of a row remembers of reversals (`state` is empty in a row that never yielded).
+    /// Returns the reversals that cell `i` of a row remembers. `state` is empty for a row that has never yielded.
     fn reversals(&self, state: &[f64], i: usize) -> Reversals;
 
-    /// E times the work of the overstress of all cells of a row since the start, per volume, Pa^2; 0 for laws without.
+    /// Returns E times the work of the overstress of all cells of a row since the start, per volume, Pa^2; 0 for laws without overstress.
     fn overstress_work(&self, state: &[f64]) -> f64;
 
-    /// Clears `flow` in cells that flow by a rate which the steps resolve.
+    /// Clears `flow` in cells whose relaxation is resolved by the steps, i.e. cells for which [`CellLaw::keeps_up`] is false.
     fn clear_resolved(&self, state: &[f64], flow: &mut [f32]);
 
-    /// The state of a cell after slow loading and unloading.
+    /// Returns the state of a cell after slow loading and unloading.
     fn deformed(&self, deformed: &Deformed) -> Vec<f64>;
 
-    /// Temperature of cell `i` of a row, K (`state` is empty in a row that never yielded); not a number for laws that know
-    /// none.
+    /// Returns the temperature of cell `i` of a row, K; NaN for laws without a temperature. `state` is empty for a row that has never yielded.
     fn temperature(&self, state: &[f64], i: usize) -> f64;
 
-    /// Fraction of the plastic work that turns into heat.
+    /// Returns the fraction of the plastic work that turns into heat.
     fn heat_fraction(&self) -> f64;
 
-    /// Cell `i` of a row flows by a rate; false for laws without.
+    /// Returns true if cell `i` of a row flows by a rate-dependent law; false for other laws.
     fn flows(&self, state: &[f64], i: usize) -> bool;
 
-    /// E times the largest strain of a row, Pa; 0 where all is in compression.
+    /// Returns E times the largest tensile strain of a row, Pa; 0 if all cells are in compression.
     fn largest_strain(&self, sigma: &[f64], state: &[f64]) -> f64;
 }
 
-/// Makes a [`RowLaw`] of a [`CellLaw`].
+/// Adapter that makes a [`RowLaw`] of a [`CellLaw`].
 #[derive(Debug, Clone)]
 pub struct Rows<L, const N: usize> {
     law: L,
-    /// Where the law runs on adiabatic tables.
+    /// Temperature of a law that runs on adiabatic tables, else `None`.
     adiabatic: Option<AdiabaticTemperature>,
 }
 
 impl<L: CellLaw<N>, const N: usize> Rows<L, N> {
-    /// Of a law that knows its temperature itself, or knows none.
+    /// Wraps a law that computes its temperature itself, or has none.
     pub fn new(law: L) -> Self {
         Self { law, adiabatic: None }
     }
 
-    /// Of a law that runs on the adiabatic tables of a material of this modulus, Pa.
+    /// Wraps a law that runs on the adiabatic tables of a material with this elastic modulus, Pa.
     pub fn adiabatic(law: L, heating: &Heating, modulus: f64) -> Self {
         Self { law, adiabatic: Some(AdiabaticTemperature { heating: heating.clone(), modulus }) }
     }

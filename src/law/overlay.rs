@@ -4,11 +4,11 @@ use super::reversals::NUMBERS;
 use super::{Backbone, CellLaw, Response, Reversals, Table};
 use crate::material::Sense;
 
-/// Kinematic hardening along a curve of several lines: Masing's rule, see [`Reversals`].
+/// Kinematic hardening along a curve of several lines by Masing's rule, see [`Reversals`].
 ///
 /// State: `[E p accumulated, E eps_p signed]` and the open reversals. The elastic range is `2 sigma_y` wide and ends where the
-/// point last flowed. Needs a curve that is the same in tension and compression and whose slopes fall; with two lines it is
-/// [`super::Mixed`] with `kinematic` = 1, which is quicker.
+/// point last flowed. Requires the same curve in tension and compression, with falling slopes. For a curve of two lines it equals
+/// [`super::Mixed`] with `kinematic` = 1, which is faster.
 #[derive(Debug, Clone)]
 pub struct Overlay<B> {
     backbone: B,
@@ -16,11 +16,11 @@ pub struct Overlay<B> {
     last_knot: f64,
 }
 
-/// State numbers of [`Overlay`].
+/// Number of state variables of [`Overlay`].
 pub const OVERLAY: usize = 2 + NUMBERS;
 
 impl<B: Backbone> Overlay<B> {
-    /// `backbone` reads `table`.
+    /// Builds the law. `backbone` must evaluate `table`.
     pub fn new(backbone: B, table: &Table) -> Self {
         let lines = table.lines();
         Self { backbone, yield_stress: table.yield_stress(), last_knot: lines[lines.len() - 1].start }

@@ -1,10 +1,10 @@
-//! sigma = f(eps) in loading and unloading: the theory of von Kármán, without elastic unloading.
+//! Path-independent law sigma = f(eps) in loading and unloading: von Kármán's theory, without elastic unloading.
 
 use super::{Backbone, CellLaw, Response};
 
-/// Stress follows the loading curve in loading and unloading: exact while no yielded point unloads.
+/// Path-independent law: the stress follows the loading curve in loading and unloading. Exact as long as no yielded point unloads.
 ///
-/// State: `[E eps_p signed]`, the part of E eps that is not sigma. Its "plastic" work is all work beyond the
+/// State: `[E eps_p signed]`, where `E eps_p = E eps - sigma`. The "plastic" work is all work beyond the
 /// elastic energy sigma^2/(2E); it is recovered when the strain decreases.
 #[derive(Debug, Clone)]
 pub struct PathIndependent<B>(pub B);
@@ -15,7 +15,7 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
         sigma + inelastic
     }
 
-    /// The work along the curve is recovered.
+    /// Always 0: the work along the curve is recovered, so the mean stress applies.
     #[inline(always)]
     fn onset(&self, _: f64, _: [f64; 1], _: &Response<1>) -> f64 {
         0.0
@@ -50,7 +50,7 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
         inelastic
     }
 
-    /// Going back along the curve is flow too.
+    /// Returns true also if the strain decreases along the curve.
     fn yields(&self, _sigma: f64, [inelastic]: [f64; 1]) -> bool {
         inelastic != 0.0
     }

@@ -1,19 +1,18 @@
 //! Plastic flow with elastic unloading: isotropic, kinematic and mixed hardening, one table evaluation per step.
 //!
-//! With `g(z)` the loading table in stress units (z = E eps), `p = E * accumulated plastic strain` and
-//! hardening `h = f - sigma_y`, the stress behind a step follows without iteration: a point on the table obeys
-//! `E p' + sigma_y + h(p') = z`, so the table itself, read at `z = (elastic predictor) + E p`, is the solution.
+//! With `g(z)` the loading table in stress units (z = E eps), `p = E * accumulated plastic strain` and hardening `h = f - sigma_y`, the stress at the
+//! end of a step follows without iteration. A point on the table obeys `p' + sigma_y + h(p') = z`, so that the table read at
+//! `z = (elastic predictor) + p` is the solution.
 
 use super::{Backbone, CLOSE_TO_YIELD, CellLaw, Deformed, Response, within};
 
 /// Isotropic hardening: tension and compression harden alike.
 ///
-/// State: `[E p accumulated, E eps_p signed]`.
-/// `sigma' = sign(tau) min(|tau|, g(|tau| + E p))` with `tau = sigma + E d_eps`.
+/// State: `[E p accumulated, E eps_p signed]`. `sigma' = sign(tau) min(|tau|, g(|tau| + E p))` with `tau = sigma + E d_eps`.
 #[derive(Debug, Clone)]
 pub struct Isotropic<B>(pub B);
 
-/// Repetitions in which the elastic limit is approached: each leaves the slope of the curve over E of what was missing.
+/// Number of iterations towards the elastic limit. Each multiplies the error by the slope of the curve over E.
 const TOWARDS_YIELD: usize = 8;
 
 impl<B: Backbone> CellLaw<2> for Isotropic<B> {
@@ -30,7 +29,7 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
     fn elastic_up_to(&self, yield_stress: f64, cells: impl Iterator<Item = [f64; 2]>) -> f64 {
         let least = cells.map(|state| state[0]).fold(f64::INFINITY, f64::min);
         let curve = |size: f64| self.0.stress(size, 1.0).min(self.0.stress(size, -1.0));
-        // The elastic limit is the size at which curve(size + least) = size. Each of these is nearer to it from below.
+        // The elastic limit is the size at which curve(size + least) = size. Each iterate is closer to it, from below.
         let mut size = yield_stress.max(curve(least));
         for _ in 0..TOWARDS_YIELD {
             size = curve(size + least);
@@ -88,17 +87,17 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
 /// Mixed hardening: the fraction `kinematic` (0 to 1) of the hardening moves the elastic range, the rest widens it.
 ///
 /// State: `[E p accumulated, E eps_p signed, back stress a, hardening h]`. With `xi = |tau - a|` the table is read at
-/// `z = xi + kinematic h + E p`. Needs a table that is the same in tension and compression. The tangent follows the accumulated
-/// plastic strain along the table: with several lines of hardening, cycles of constant strain are neither symmetric nor closed,
-/// as they are in [`super::Overlay`]. Where `kinematic` > 0.5 and a line is less steep than one before it, reverse flow may give back
+/// `z = xi + kinematic h + E p`. Requires the same table in tension and compression. The tangent modulus follows the accumulated
+/// plastic strain along the table. With several hardening lines, cycles of constant strain amplitude are therefore neither symmetric nor closed,
+/// as they are in [`super::Overlay`]. If `kinematic` > 0.5 and a line is less steep than an earlier one, reverse flow may release
 /// more work than was stored.
 #[derive(Debug, Clone)]
 pub struct Mixed<B> {
-    /// First loading.
+    /// Curve of first loading.
     pub backbone: B,
     /// Elastic limit of first loading, Pa.
     pub yield_stress: f64,
-    /// 0 isotropic ... 1 kinematic.
+    /// Kinematic fraction of the hardening: 0 isotropic, 1 kinematic.
     pub kinematic: f64,
 }
 
@@ -142,7 +141,7 @@ impl<B: Backbone> CellLaw<4> for Mixed<B> {
         let relative = predictor - back;
         let trial = relative.abs() + self.kinematic * h;
         let yields = trial > self.yield_stress + h;
-        // Where the table rises as the elastic line does, all of that line is one plastic strain, and rounding puts the trial on either side.
+        // If the table is parallel to the elastic line, the plastic strain is constant along it, and rounding may place the trial on either side.
         let reached = if table < trial { table } else { trial };
         let h_new = if yields { reached - self.yield_stress } else { h };
         let back_new = back + (self.kinematic * (h_new - h)).copysign(relative);

@@ -1,4 +1,4 @@
-//! One step of a row of cells, in chunks of fixed length, for which the compiler removes bounds checks and remainder loops.
+//! Advances a row of cells by one step, in chunks of fixed length, for which the compiler removes bounds checks and remainder loops.
 
 use std::ops::Range;
 
@@ -6,40 +6,40 @@ use multiversion::multiversion;
 
 use super::{Aligned, CHUNK, CellLaw, LANES, Response, Steps};
 
-/// What a step of a row reads and writes beside the state.
+/// Data that a step of a row reads and writes, besides the state.
 #[derive(Debug)]
 pub struct Row<'a> {
     /// E dt/dx, Pa s/m.
     pub gain: f64,
-    /// Velocities of the nodes, m/s: one more than cells.
+    /// Velocities of the nodes, m/s: one more than there are cells.
     pub v: &'a [f64],
     /// Stresses, Pa.
     pub sigma: &'a mut [f64],
     /// Set to (`sigma_onset` + `sigma_after`) * E `d_eps_plastic`, Pa^2: the plastic work of the step times 2 E per volume,
-    /// and exactly 0 in cells that do not flow. See [`CellLaw::onset`]. Only where it is asked for cell by cell; its sum is there anyway.
+    /// and exactly 0 in cells that do not flow. See [`CellLaw::onset`]. `None` unless needed cell by cell; its sum is always returned.
     pub work: Option<&'a mut [f64]>,
-    /// Set to what of it the mean stress of the step does not do: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
-    /// Only where it is asked for, too.
+    /// Set to the part of the work that is not done by the mean stress of the step: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
+    /// `None` unless needed cell by cell.
     pub turned: Option<&'a mut [f64]>,
-    /// Set to E `d_eps_plastic`, Pa, in cells that flow by more than rounding, to 0 in others. What it says of the step before only decides how a
-    /// result is found.
+    /// Set to E `d_eps_plastic`, Pa, in cells that flow by more than rounding, to 0 in others. The values of the previous step only decide by which
+    /// operations a result is computed, not the result.
     pub flow: &'a mut [f32],
-    /// The cells that step. Nothing of the others is read or written but the velocities of the nodes between.
+    /// Range of the cells that are advanced. Of the other cells, only the velocities of shared nodes are read.
     pub cells: Range<usize>,
 }
 
-/// What a row did in a step.
+/// Sums and maxima of a row over one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Advanced {
-    /// Sum of [`Row::work`] over the cells that stepped.
+    /// Sum of [`Row::work`] over the cells that were advanced, Pa^2.
     pub work: f64,
-    /// Sum of [`Row::turned`] over them.
+    /// Sum of [`Row::turned`] over these cells, Pa^2.
     pub turned: f64,
-    /// Largest accumulated plastic strain among them, times E, Pa.
+    /// E times the largest accumulated plastic strain among these cells, Pa.
     pub accumulated: f64,
 }
 
-/// Running sums of a row over its pieces. The work is summed in [`LANES`] partial sums: the same bits whatever the width of the
+/// Running sums of a row over its chunks. The work is summed in [`LANES`] partial sums, so that its bits do not depend on the width of the
 /// processor's registers.
 #[derive(Default)]
 struct Totals {
@@ -48,7 +48,7 @@ struct Totals {
     largest: f64,
 }
 
-/// One step of a row, cell by cell without any coupling between them.
+/// Advances a row by one step, each cell independently of the others.
 pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, state: &mut [f64]) -> Advanced {
     let Row { gain, v, sigma, mut work, mut turned, flow, cells: Range { start, end } } = row;
     let mut totals = Totals::default();
@@ -56,7 +56,7 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, stat
     let few = whole.end..end;
     let asked = [work.as_deref_mut(), turned.as_deref_mut()];
     step(law, gain, v, sigma, flow, state, asked, whole, &mut totals);
-    // Fewer cells than a piece has are stepped in one of their own, among cells at rest.
+    // Remaining cells, fewer than a chunk, are copied into a chunk of their own that is filled up with cells at rest.
     if !few.is_empty() {
         let mut copy = Copied::<N>::of(few.clone(), v, sigma, state);
         let Copied { v, sigma: stresses, state: columns, work: works, turned: turns, flow: flows } = &mut copy;
@@ -68,7 +68,7 @@ pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, stat
     Advanced { work, turned, accumulated: totals.largest }
 }
 
-/// The state of a row, variable by variable.
+/// Splits the state of a row into one slice per state variable.
 #[inline(always)]
 fn columns<const N: usize>(state: &mut [f64], cells: usize) -> [&mut [f64]; N] {
     let mut columns = state.chunks_exact_mut(cells);
@@ -91,7 +91,7 @@ fn cut_columns<'a, const N: usize>(columns: &'a mut [&mut [f64]; N], from: usize
     std::array::from_fn(|_| cut_mut(columns.next().expect("a column for each number"), from))
 }
 
-/// The last cells to step, fewer than a piece has.
+/// Copy of the last cells of a row, fewer than a chunk, filled up to a chunk.
 struct Copied<const N: usize> {
     v: [f64; CHUNK + 1],
     sigma: [f64; CHUNK],
@@ -142,7 +142,7 @@ impl<const N: usize> Copied<N> {
     }
 }
 
-/// The state of cell `i` of a piece.
+/// Returns the state of cell `i` of a chunk.
 #[inline(always)]
 fn read<const N: usize>(columns: &[&mut [f64; CHUNK]; N], i: usize) -> [f64; N] {
     let mut state = [0.0; N];
@@ -152,9 +152,10 @@ fn read<const N: usize>(columns: &[&mut [f64; CHUNK]; N], i: usize) -> [f64; N] 
     state
 }
 
-/// One step of whole pieces of a row. `asked` are [`Row::work`] and [`Row::turned`].
+/// Advances whole chunks of a row by one step. `asked` are [`Row::work`] and [`Row::turned`].
 ///
-/// Each row is an argument of its own, not part of a structure: compilers then know that none overlaps another, and need not look in every piece.
+/// Each row is an argument of its own, not part of a structure: the compiler then knows that the rows do not overlap, and need not check this in
+/// every chunk.
 #[expect(clippy::too_many_arguments)]
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn step<L: CellLaw<N>, const N: usize>(
@@ -179,7 +180,7 @@ fn step<L: CellLaw<N>, const N: usize>(
         let (sigma, flow, mut columns) = (cut_mut(sigma, from), cut_mut(flow, from), cut_columns(&mut columns, from));
         let [asked_work, asked_turned] =
             [&mut asked_work, &mut asked_turned].map(|asked| asked.as_deref_mut().map(|asked| cut_mut(asked, from)));
-        // Cells that flowed in the step before mostly still do.
+        // Cells that flowed in the previous step mostly still flow.
         let may_be_elastic = L::BOUNDS_ELASTICITY && !piece_flows(flow);
         if may_be_elastic && let Some(largest) = stay_elastic(law, gain, [left, right], sigma, &columns, predictor) {
             for asked in [asked_work, asked_turned].into_iter().flatten() {
@@ -198,7 +199,7 @@ fn step<L: CellLaw<N>, const N: usize>(
             law.interpolate(abscissa, predictor, table);
         }
         let steps = L::TAKES_TIME.then(|| timed(law, gain, [left, right], sigma, &columns));
-        // What any cell does, in the bits of numbers that are 0 in the others: cheaper than comparisons.
+        // Bitwise OR over all cells detects whether any cell flows or has a negative onset: cheaper than comparisons.
         let ([mut onsets, mut flowed], mut most) = ([0_u64; 2], 0);
         for i in 0..CHUNK {
             let (before, sigma_before) = (read(&columns, i), sigma[i]);
@@ -210,7 +211,7 @@ fn step<L: CellLaw<N>, const N: usize>(
                 law.respond(sigma_before, law.base(sigma_before, before) + gain * (right[i] - left[i]), before)
             };
             let onset = law.onset(sigma_before, before, &after);
-            // The sum is never -0.
+            // Adding 0.0 turns -0 into +0, so that the sign bit is set for negative numbers only.
             onsets |= (onset + 0.0).to_bits();
             flowed |= after.plastic.to_bits();
             most = most.max(size_bits(law.accumulated(after.state)));
@@ -236,7 +237,7 @@ fn step<L: CellLaw<N>, const N: usize>(
         } else if let Some(turned) = asked_turned {
             turned.fill(0.0);
         }
-        // Whatever its sign.
+        // The shift discards the sign.
         if flowed << 1 != 0 {
             add(&mut totals.work, work);
         }
@@ -246,7 +247,8 @@ fn step<L: CellLaw<N>, const N: usize>(
     }
 }
 
-/// Takes the elastic step of a piece. Returns its largest accumulated plastic strain, times E, Pa. None where a cell may flow: the stresses are as before.
+/// Takes the elastic step of a chunk. Returns E times its largest accumulated plastic strain, Pa. Returns `None`, with the stresses unchanged, if a
+/// cell may flow.
 #[inline(always)]
 fn stay_elastic<L: CellLaw<N>, const N: usize>(
     law: &L,
@@ -272,13 +274,13 @@ fn stay_elastic<L: CellLaw<N>, const N: usize>(
     })
 }
 
-/// The size of a number, as bits that compare as sizes do, for which compilers know better loops; those of NaN are larger than any.
+/// Returns the magnitude of a number as bits. They compare as magnitudes do, with faster loops; the bits of NaN compare larger than any number.
 #[inline(always)]
 fn size_bits(number: f64) -> i64 {
     (number.to_bits() & !(1 << 63)) as i64
 }
 
-/// The steps of a law that takes time: most cells at once, the others one by one.
+/// Computes the step of a rate-dependent law: most cells at once, the others one by one.
 #[inline(always)]
 fn timed<L: CellLaw<N>, const N: usize>(
     law: &L,
@@ -302,8 +304,8 @@ fn timed<L: CellLaw<N>, const N: usize>(
     steps
 }
 
-/// Corrects the work of cells that do not flow under the mean stress of the step: they are few. Returns what was added. (Inline: of numbers that were
-/// handed out a compiler no longer knows what else points to them.)
+/// Corrects the work of the few cells whose plastic work is not that of the mean stress of the step. Returns the added work. (Inlined, because the
+/// compiler cannot rule out aliasing of the arrays if they are passed to a function.)
 #[inline(always)]
 fn turn(turned_work: &[f64; CHUNK], work: &mut [f64; CHUNK]) -> [f64; CHUNK] {
     let mut added = *turned_work;
@@ -314,36 +316,36 @@ fn turn(turned_work: &[f64; CHUNK], work: &mut [f64; CHUNK]) -> [f64; CHUNK] {
     added
 }
 
-/// Plastic strain of a step that is rounding, relative to the elastic strain: that of a cell which comes to its yield stress and no
-/// farther is of the order of 1e-16.
+/// Plastic strain of a step that counts as rounding, relative to the elastic strain. A cell that reaches its yield stress exactly has a plastic
+/// strain of the order of 1e-16.
 const ROUNDING: f64 = 1e-12;
 
-/// Whether a cell with this [`Row::work`] and stress (Pa) flowed by more than rounding.
+/// Returns true if a cell with this [`Row::work`] and stress (Pa) flowed by more than rounding.
 #[inline(always)]
 pub fn flows(work: f64, sigma: f64) -> bool {
     work.abs() > ROUNDING * sigma * sigma
 }
 
-/// What [`Row::flow`] says of a cell with this E times plastic strain (Pa), [`Row::work`] and stress (Pa).
+/// Returns [`Row::flow`] of a cell, given E times its plastic strain (Pa), its [`Row::work`] and its stress (Pa).
 #[inline(always)]
 fn flow_of(plastic: f64, work: f64, sigma: f64) -> f32 {
     if flows(work, sigma) { plastic as f32 } else { 0.0 }
 }
 
-/// Some cell of a row flows, as [`Row::flow`] says.
+/// Returns true if any cell of a row flows, according to [`Row::flow`].
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub fn any_flows(flow: &[f32]) -> bool {
     piece_flows(flow)
 }
 
-/// The same of a piece of a row, for loops that the compiler turns into vectors.
+/// Returns [`any_flows`] for a chunk of a row, for inlining into vectorized loops.
 #[inline(always)]
 pub fn piece_flows(flow: &[f32]) -> bool {
-    // Bits, for which compilers know better loops than for comparisons. A sign alone is no flow.
+    // Bits are combined instead of comparing numbers, which gives faster loops. A sign bit alone (-0) is no flow.
     flow.iter().fold(0, |any, flow| any | flow.to_bits()) << 1 != 0
 }
 
-/// Adds up numbers of cells, lane by lane.
+/// Adds the values of the cells to the partial sums, lane by lane.
 #[inline(always)]
 fn add(sums: &mut [f64; LANES], values: &[f64; CHUNK]) {
     for group in values.as_chunks::<LANES>().0 {
@@ -353,7 +355,7 @@ fn add(sums: &mut [f64; LANES], values: &[f64; CHUNK]) {
     }
 }
 
-/// One step of a row with given increments of E times the strain, Pa; `work` is as in [`Row`].
+/// Advances a row by given increments of E times the strain, Pa; `work` is as in [`Row`].
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub(super) fn strain<L: CellLaw<N>, const N: usize>(
     law: &L,
@@ -399,7 +401,7 @@ pub(super) fn strain<L: CellLaw<N>, const N: usize>(
     }
 }
 
-/// The plastic work of a step of a cell, as [`Row::work`] has it.
+/// Returns the plastic work of a step of a cell, as defined in [`Row::work`].
 #[inline(always)]
 fn work_of<L: CellLaw<N>, const N: usize>(law: &L, sigma: f64, before: [f64; N], after: &Response<N>) -> f64 {
     if law.onset(sigma, before, after) < 0.0 {
@@ -424,13 +426,13 @@ mod tests {
         Table::new(&Curve::new(&rows, Beyond::Extend).expect("rows rise"), MODULUS)
     }
 
-    /// Numbers between -1 and 1 that look like chance.
+    /// Returns pseudorandom numbers between -1 and 1.
     fn noise(seed: usize) -> f64 {
         let bits = (seed as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         ((bits ^ (bits >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 11) as f64 / 2.0_f64.powi(52) - 1.0
     }
 
-    /// Steps a row many at a time, in whatever registers this processor has, and cell by cell in plain numbers.
+    /// Advances a row many cells at once, with the vector instructions of this processor, and compares the bits with those of single cells.
     fn assert_bits_of_cells<L: CellLaw<N>, const N: usize>(law: &L) {
         for cells in [1, 7, 8, 63, 64, 65, 200, 256] {
             let (mut sigma, mut state) = (vec![0.0; cells], vec![0.0; N * cells]);
@@ -492,7 +494,7 @@ mod tests {
         (0..=cells).map(|i| 2e-3 * noise(1000 * step + i)).collect()
     }
 
-    /// Velocities that take half of the stresses.
+    /// Returns velocities that halve the stresses.
     fn halving(sigma: &[f64]) -> Vec<f64> {
         let mut v = vec![0.0];
         v.extend(sigma.iter().scan(0.0, |v, sigma| {
@@ -550,7 +552,7 @@ mod tests {
     #[test]
     fn a_row_of_a_law_that_takes_time_has_the_bits_of_its_cells() {
         for rows in [2, 3, 60] {
-            // From a relaxation that steps resolve to one that they do not.
+            // From a relaxation that is resolved by the steps to one that is not.
             for k in [1e4, 1e6, 1e8] {
                 let law = |kinematic| RateLaw::new(Overstress::Malvern { k }, &table(rows), None, kinematic);
                 assert_bits_of_cells(&Timed::<5>::new(law(0.0), 1e-7));

@@ -1,15 +1,15 @@
-//! Rupture: the fracture criteria of a section.
+//! Fracture criteria of a section.
 //!
-//! A place breaks where what it has come to reaches a threshold of its material: its nominal strain, the energy that it
-//! has absorbed per volume (the whole work of strain, elastic and plastic), or its tensile stress. A notch (or a poor
-//! weld) divides the threshold by its factor. A place in compression never breaks; and one that has yielded and unloaded
-//! breaks only as it yields again, since no elastic strain brings it nearer to breaking than it was.
+//! A section breaks when one of three quantities reaches a threshold of its material: the nominal strain, the energy
+//! absorbed per volume (the whole work of strain, elastic and plastic), or the tensile stress. A notch (or a poor
+//! weld) divides the threshold by its factor. A section in compression never breaks. By strain or energy, a section that has yielded and unloaded
+//! breaks only when it yields again, since elastic strain brings it no closer to fracture than it was.
 //!
-//! Quantities are in the units of the laws: strains times E, work times 2E, so that nothing is divided in a cell.
+//! Quantities are in the units of the laws (strains times E, work times 2E), so that cells need no divisions.
 
 use serde::{Deserialize, Serialize};
 
-/// What a place breaks of.
+/// Quantity that causes fracture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
@@ -22,7 +22,7 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// The word of the scene language.
+    /// Returns the name of the criterion in scene files.
     pub fn name(self) -> &'static str {
         match self {
             Self::CriticalStrain => "critical-strain",
@@ -32,13 +32,13 @@ impl Cause {
     }
 }
 
-/// Shares of the threshold from here on count as all of it: what is missing is rounding.
+/// Fraction of the threshold that counts as reached; the difference from 1 is rounding.
 const REACHED: f64 = 1.0 - 1e-12;
 
-/// A place's state, as the criteria read it.
+/// State of a section, as needed by the criteria.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strained {
-    /// Pa, tension positive.
+    /// Stress, Pa, tension positive.
     pub stress: f64,
     /// E times the signed plastic strain, Pa.
     pub plastic: f64,
@@ -46,17 +46,17 @@ pub struct Strained {
     pub work: f64,
 }
 
-/// When a piece of bar breaks.
+/// Fracture criterion of a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Criterion {
     cause: Cause,
-    /// In the units of [`Strained`]; infinite: never.
+    /// Threshold in the units of [`Strained`]; infinite if the segment cannot break.
     threshold: f64,
     modulus: f64,
 }
 
 impl Criterion {
-    /// From a threshold in SI (strain, J/m^3 or Pa; infinite: never), E (Pa) and the notch factor, >= 1.
+    /// Builds a criterion from a threshold in SI units (strain, J/m^3 or Pa; infinite: never), E (Pa) and the notch factor, >= 1.
     pub fn new(cause: Cause, threshold: f64, modulus: f64, notch: f64) -> Self {
         let unit = match cause {
             Cause::CriticalStrain => modulus,
@@ -66,12 +66,12 @@ impl Criterion {
         Self { cause, threshold: unit * threshold / notch, modulus }
     }
 
-    /// The criterion.
+    /// Returns the quantity that causes fracture.
     pub fn cause(&self) -> Cause {
         self.cause
     }
 
-    /// Part of the threshold that a place has come to; 0 in compression.
+    /// Returns the fraction of the threshold that a section has reached; 0 in compression.
     pub fn share(&self, place: &Strained) -> f64 {
         if place.stress <= 0.0 {
             return 0.0;
@@ -84,59 +84,59 @@ impl Criterion {
         reached / self.threshold
     }
 
-    /// Power of the stress with which that part goes in an elastic place.
+    /// Returns the exponent of the stress in [`Self::share`] for an elastic section.
     pub fn power_of_stress(&self) -> i32 {
         if self.cause == Cause::Energy { 2 } else { 1 }
     }
 
-    /// Whether that share, at a place with the notch factor `notch` on top, is all of it.
+    /// Returns true if a section with this [`Self::share`] and an additional notch factor `notch` breaks.
     pub fn is_met(share: f64, notch: f64) -> bool {
         share * notch >= REACHED
     }
 
-    /// True where strain without bound at a level stress breaks it.
+    /// Returns true if strain that grows without bound at constant stress meets the criterion.
     pub fn ends_gathering(&self) -> bool {
         self.threshold.is_finite() && self.cause != Cause::Spall
     }
 
-    /// A stress below which no place that never yielded can break, Pa.
+    /// Returns a stress below which no section that has never yielded can break, Pa.
     pub fn elastic_limit(&self) -> f64 {
         if self.cause == Cause::Energy { self.threshold.sqrt() } else { self.threshold }
     }
 
-    /// E times the strain below which no place can break, Pa; none where strain says nothing.
+    /// Returns E times the strain below which no section can break, Pa. `None` if strain is not the criterion.
     pub fn least_reach(&self) -> Option<f64> {
         (self.cause == Cause::CriticalStrain).then_some(self.threshold)
     }
 
-    /// Nominal strain of a place.
+    /// Returns the nominal strain of a section.
     pub fn strain(&self, place: &Strained) -> f64 {
         (place.stress + place.plastic) / self.modulus
     }
 
-    /// Energy that a place has absorbed, J/m^3.
+    /// Returns the energy that a section has absorbed, J/m^3.
     pub fn absorbed(&self, place: &Strained) -> f64 {
         (place.stress * place.stress + place.work) / (2.0 * self.modulus)
     }
 }
 
-/// The criteria of a whole bar.
+/// Fracture criteria of a bar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criteria {
-    /// One a segment.
+    /// Criterion of each segment.
     pub segments: Vec<Criterion>,
-    /// Notch factor of the joint behind each segment, >= 1 (meaningless on the last); on top of the segments' own.
+    /// Additional notch factor of the joint to the right of each segment, >= 1; the entry of the last segment is unused.
     pub joints: Vec<f64>,
 }
 
-/// Where a bar broke.
+/// Location of a fracture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Site {
-    /// Off what held or drove its left end.
+    /// The left end, which separates from what held or drove it.
     Left,
-    /// Off what held or drove its right end.
+    /// The right end, which separates from what held or drove it.
     Right,
-    /// At the joint behind this segment, counted from 0.
+    /// The joint to the right of this segment, counted from 0.
     Joint(usize),
     /// Inside this segment, counted from 0.
     Inside(usize),
@@ -153,26 +153,26 @@ impl std::fmt::Display for Site {
     }
 }
 
-/// A rupture that happened.
+/// A fracture that occurred.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Rupture {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// Place in the undeformed bar, m from the left end.
+    /// Position in the undeformed bar, m from the left end.
     pub x: f64,
-    /// The same in words.
+    /// Location as a part of the bar.
     pub site: Site,
-    /// The segment that broke: at a joint one of two.
+    /// The segment that broke; at a joint, one of the two.
     pub segment: usize,
-    /// What it broke of.
+    /// Criterion that was met.
     pub cause: Cause,
-    /// Stress at the place as it broke, Pa.
+    /// Stress at the section when it broke, Pa.
     pub stress: f64,
-    /// Nominal strain there.
+    /// Nominal strain at the section.
     pub strain: f64,
-    /// Energy that had been absorbed there per volume, J/m^3.
+    /// Energy absorbed per volume at the section, J/m^3.
     pub absorbed: f64,
-    /// Strain energy and plastic work of the whole bar just then, J (per m^2 where the bar has no area of its own).
+    /// Strain energy and plastic work of the whole bar at that time, J (per m^2 if the bar has no area of its own).
     pub bar_absorbed: f64,
 }
 

@@ -1,4 +1,4 @@
-//! One branch of a material: from `[curve]` or `[compression]` to a checked engineering table.
+//! One branch of a material: conversion of `[curve]` or `[compression]` to a checked engineering table.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::input::Allowed;
 use crate::typed::Placed;
 use crate::units::Dimension;
 
-/// Units whose numbers are read as Pa by mistake, with their size, Pa.
+/// Units whose numbers are often given without the unit and then read as Pa, with their size, Pa.
 const SLIPS: [(f64, &str); 5] = [(1e3, "kPa"), (6.894_757e3, "psi"), (1e6, "MPa"), (6.894_757e6, "ksi"), (1e9, "GPa")];
 
 /// A checked branch.
@@ -26,7 +26,7 @@ pub(super) struct Branch {
     pub(super) error: f64,
 }
 
-/// A curve as it was given, in its own measure.
+/// A curve as given in the file, in its own measure.
 #[derive(Debug)]
 pub(super) struct Given<'a> {
     name: &'static str,
@@ -34,12 +34,12 @@ pub(super) struct Given<'a> {
     pub(super) sense: Sense,
     beyond: Beyond,
     how: Tabulate,
-    /// The unit of its stresses is named.
+    /// Whether the unit of its stresses is given.
     has_unit: bool,
     data: Data<'a>,
 }
 
-/// Where the numbers come from, with what it takes to point at them.
+/// Source of the numbers, with what is needed to point error messages at them.
 #[derive(Debug)]
 enum Data<'a> {
     Law(Law, Range<usize>),
@@ -48,7 +48,7 @@ enum Data<'a> {
 }
 
 impl<'a> Given<'a> {
-    /// Reads the branch that stands under `name`; its numbers are checked one by one, not yet as a curve.
+    /// Reads the branch under the key `name`. Its numbers are checked individually, not yet as a curve.
     pub(super) fn read(
         name: &'static str,
         material: &'a RawMaterial,
@@ -74,7 +74,7 @@ impl<'a> Given<'a> {
         })
     }
 
-    /// The law as one line, where there is one.
+    /// Returns the law as one line; `None` for a table.
     pub(super) fn describe(&self) -> Option<String> {
         let Data::Law(law, _) = &self.data else { return None };
         let measure = match self.measure {
@@ -84,7 +84,7 @@ impl<'a> Given<'a> {
         Some(format!("{law} ({measure} stress and strain)"))
     }
 
-    /// The checked engineering table for a sense.
+    /// Returns the checked engineering table for a sense of loading.
     pub(super) fn branch(&self, sense: Sense, modulus: Option<f64>, keys: Keys<'_>) -> Result<Branch> {
         let table = match &self.data {
             Data::Law(law, span) => self.of_law(law, span, sense, modulus, keys)?,
@@ -123,7 +123,7 @@ impl<'a> Given<'a> {
     }
 
     fn of_rows(&self, rows: &[(f64, f64)], sense: Sense, modulus: Option<f64>, keys: Keys<'_>) -> Result<Tabulated> {
-        // The rows as given are checked before conversion can hide what is wrong with them.
+        // The rows are checked as given, before the conversion can hide what is wrong with them.
         Curve::new(rows, self.beyond).map_err(|e| self.row_error(&e, keys))?;
         if self.measure == Measure::Engineering {
             return Ok(Tabulated { rows: rows.to_vec(), error: 0.0 });
@@ -136,12 +136,12 @@ impl<'a> Given<'a> {
         Ok(tabulate_true_rows(past_origin, modulus, sense, self.how.tolerance)?)
     }
 
-    /// Its rows are those of the curve.
+    /// Whether the rows as given are those of the curve.
     fn is_engineering_table(&self) -> bool {
         self.measure == Measure::Engineering && !matches!(self.data, Data::Law(..))
     }
 
-    /// Refuses slopes above the modulus.
+    /// Rejects slopes above the modulus.
     fn check_slopes(&self, curve: &Curve, modulus: f64, keys: Keys<'_>) -> Result<()> {
         let Some((knot, slope)) = curve.steeper_than(modulus) else { return Ok(()) };
         let (strain, stress) = (curve.strain()[knot], curve.stress()[knot]);
@@ -156,7 +156,7 @@ impl<'a> Given<'a> {
         Err(self.at_row(row, message, keys).allowed(format!("slopes <= {modulus:e} Pa")).help(help).into())
     }
 
-    /// Refuses a table whose first slope differs from the modulus as stresses differ that are read in a wrong unit.
+    /// Rejects a table whose initial slope differs from the modulus by the factor of a wrong unit of stress.
     fn check_unit(&self, curve: &Curve, modulus: f64, keys: Keys<'_>) -> Result<()> {
         let ratio = curve.slopes().next().map_or(1.0, |slope| slope / modulus);
         let Some((_, unit)) = SLIPS.into_iter().find(|(size, _)| (0.4..1.5).contains(&(ratio * size))) else {
@@ -184,7 +184,7 @@ impl<'a> Given<'a> {
             .into())
     }
 
-    /// Row as given, from 0, of a knot of the curve (which may have an origin of its own).
+    /// Returns the row as given, from 0, of a knot of the curve (which may have an added origin).
     fn row_of_knot(&self, knot: usize) -> usize {
         let starts_at_origin = match &self.data {
             Data::Law(..) => false,
@@ -200,14 +200,14 @@ impl<'a> Given<'a> {
             .help("rows are [strain, stress] as magnitudes; the first row is (0, 0) or omitted")
     }
 
-    /// An error at a row as given.
+    /// Creates an error at a row as given.
     fn at_row(&self, row: usize, message: String, keys: Keys<'_>) -> InputError {
         match &self.data {
             Data::Law(_, span) => keys.error(span.clone(), &format!("{}.formula", self.name), message),
             Data::Table(_, numbers) => {
                 let key = format!("{}.table", self.name);
                 let of_row = numbers.get(row).map(|TableRow(a, b)| a.span().start..b.span().end);
-                // An empty table: the error points at the table itself.
+                // For an empty table, the error points at the table itself.
                 let span = of_row.or_else(|| keys.span_of(&key)).unwrap_or(0..0);
                 keys.error(span, &key, message)
             }
@@ -241,7 +241,7 @@ impl<'a> Data<'a> {
     }
 }
 
-/// A key that may stand at the top level of the material or in the curve, but not differ.
+/// Returns the value of a key that is allowed both at the top level of the material and in the curve, but not with different values.
 fn one_of<T: Copy + PartialEq>(
     key: &str,
     top: Option<&Placed<T>>,
@@ -275,7 +275,7 @@ fn tabulate(raw: Option<&RawTabulate>, sense: Sense, keys: Keys<'_>) -> Result<T
     Ok(Tabulate { tolerance: keys.si(&raw.tolerance)?, to_strain })
 }
 
-/// SI value of the key `unit`.
+/// Returns the SI value of the key `unit`.
 fn stress_unit(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Option<f64>> {
     let Some(unit) = &curve.unit else { return Ok(None) };
     let wrong = |e: InputError| keys.error(unit.span(), &format!("{name}.unit"), e.message).help(e.help);

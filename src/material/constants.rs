@@ -8,12 +8,12 @@ use super::rate::{self, Rate};
 use super::raw::{RawHeat, RawMaterial};
 use crate::error::Result;
 
-/// Constants beside the curve; every one is absent where the file does not give it.
+/// Constants of a material other than its curve; each is absent if the file does not state it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Constants {
-    /// The law from which the table was made, with its constants, as one line; none for a measured table.
+    /// Law from which the table was made, with its constants, as one line; `None` for a measured table.
     pub law: Option<String>,
-    /// The laws of the strain rate that it states.
+    /// Rate laws stated in the file.
     pub rate: Vec<Rate>,
     /// Heating and thermal softening.
     pub heat: HeatConstants,

@@ -1,8 +1,8 @@
-//! Stress-strain tables from files with the columns strain, stress; see [`crate::columns`] for delimiters and decimal marks.
+//! Reading of stress-strain tables from files with the columns strain, stress; see [`crate::columns`] for delimiters and decimal marks.
 //!
-//! A header line is allowed and may name units: `strain,stress_MPa`, `strain (%),stress [ksi]`. Without one, strains
-//! are plain and stresses in Pa, unless the caller names their unit. Signs may be those of compression (all values negative or
-//! zero): the table holds magnitudes.
+//! A header line is allowed and may state units: `strain,stress_MPa`, `strain (%),stress [ksi]`. Without units, strains are plain numbers and
+//! stresses are in Pa, unless the caller gives their unit. The signs of compression are accepted (all values negative or zero): the table contains
+//! magnitudes.
 
 use std::path::Path;
 
@@ -11,35 +11,35 @@ use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::units::{Dimension, in_heading};
 
-/// The rows of a CSV file, each with its bytes in the file.
+/// The rows of a CSV file, each with its byte range in the file.
 #[derive(Debug, Clone)]
 pub(crate) struct CsvTable {
     pub(crate) document: Document,
-    /// (strain, stress in Pa), magnitudes.
+    /// Rows (strain, stress in Pa), magnitudes.
     pub(crate) rows: Vec<(f64, f64)>,
     spans: Vec<std::ops::Range<usize>>,
 }
 
 impl CsvTable {
-    /// An error at a row (from 0).
+    /// Creates an error at a row (from 0).
     pub(crate) fn error(&self, row: usize, key: &str, message: impl Into<String>) -> InputError {
         let span = self.spans.get(row).cloned().unwrap_or(0..0);
         self.document.error(span, key, message)
     }
 }
 
-/// One SI factor a column.
+/// SI factor of each column.
 #[derive(Debug, Clone, Copy)]
 struct Factors {
     strain: f64,
     stress: f64,
 }
 
-/// Reads a file. `unit` is the unit of the stresses where the header names none.
+/// Reads a file. `unit` is the unit of the stresses if the header states none.
 ///
 /// # Errors
-/// A missing file, a line with fewer or more than two columns, a value that is not a number, an unknown unit, or a unit given
-/// both in the header and by the caller.
+/// The file is missing, a line does not have two columns, a value is not a number, a unit is unknown, or the unit is given both in the header and
+/// by the caller.
 pub(crate) fn read(path: &Path, unit: Option<f64>) -> Result<CsvTable> {
     let document = Document::read(path)?;
     let columns = columns::read(&document, "`barwave materials import` reads records with more columns")?;
@@ -92,13 +92,13 @@ fn header(document: &Document, row: &Row, unit: Option<f64>) -> Result<Factors> 
     Ok(factors)
 }
 
-/// SI value of one unit.
+/// Returns the SI value of one unit.
 pub(super) fn factor(unit: &str, dimension: Dimension) -> std::result::Result<f64, InputError> {
     in_heading(unit, dimension)
         .map_err(|reason| InputError::new(reason).help("write a unit such as MPa, ksi or psi for stress, % for strain"))
 }
 
-/// `stress_MPa`, `stress (MPa)` or `Stress [MPa]` into ("stress", "MPa").
+/// Splits `stress_MPa`, `stress (MPa)` or `Stress [MPa]` into ("stress", "MPa").
 fn name_and_unit(title: &str) -> (String, String) {
     let cut = title.find(['_', '(', '[', '/', ' ']).unwrap_or(title.len());
     let (name, unit) = title.split_at(cut);

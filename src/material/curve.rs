@@ -1,11 +1,11 @@
-//! A first-loading stress-strain curve: a checked table, linear between its knots.
+//! Stress-strain curve of first loading: a checked table, linear between its knots.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, InputError};
 use crate::units::Dimension;
 
-/// What happens past the last knot.
+/// Behaviour after the last knot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Beyond {
@@ -17,29 +17,28 @@ pub enum Beyond {
     Error,
 }
 
-/// The point on which a critical impact velocity rests.
+/// The ultimate point of a curve, which determines its critical impact velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Ultimate {
-    /// Strain at that point.
+    /// Ultimate strain.
     pub strain: f64,
-    /// Stress at that point, Pa.
+    /// Ultimate stress, Pa.
     pub stress: f64,
-    /// Why it is the ultimate point.
+    /// Reason why it is the ultimate point.
     pub reason: UltimateReason,
 }
 
-/// Why a curve has an ultimate point.
+/// Reason for which a point is the ultimate point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum UltimateReason {
-    /// The engineering stress has its largest value inside the data and does not rise after it.
+    /// The engineering stress has its maximum within the data and does not exceed it later.
     MaximumStress,
-    /// The data end by fracture while the stress still rises.
+    /// The data end with fracture while the stress still rises.
     RuptureStrain,
 }
 
-/// Why a table is refused: the row (from 0) and the values that are wrong. Its message counts rows from 1, as in files, that of the
-/// [`InputError`] it becomes from 0.
+/// An error in a table of rows. Its message counts rows from 1, as in files; the [`InputError`] converted from it counts from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("row {}: {message}", row + 1)]
 pub struct CurveError {
@@ -63,12 +62,12 @@ impl From<CurveError> for Error {
 }
 
 impl CurveError {
-    /// What rows have to be.
+    /// Requirements on the rows.
     pub(crate) const ALLOWED: &'static str = "finite, not negative, strain increasing from row to row";
 }
 
-/// Straight between knots, starting at (0, 0); magnitudes; strain strictly increasing. Stress may fall (a yield
-/// drop, necking) and slopes may grow (lock-up).
+/// A piecewise linear curve of stress and strain magnitudes that starts at (0, 0), with strictly increasing strain. Stress may fall (a yield drop,
+/// necking) and slopes may increase (lock-up).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Curve {
     strain: Vec<f64>,
@@ -77,11 +76,11 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Checks a table of (strain, stress in Pa) magnitudes. A missing first row (0, 0) is added.
+    /// Creates a curve from a table of (strain, stress in Pa) magnitudes. A missing first row (0, 0) is added.
     ///
     /// # Errors
-    /// Fewer than two knots, a value that is not finite or negative, strain that does not increase, stress at
-    /// zero strain, a first slope that is not positive.
+    /// Fewer than two knots, a value that is negative or not finite, strain that does not increase, stress at zero strain, or an initial slope that
+    /// is not positive.
     pub fn new(rows: &[(f64, f64)], beyond: Beyond) -> Result<Self, CurveError> {
         for row in 0..rows.len() {
             check_row(rows, row)?;
@@ -99,45 +98,45 @@ impl Curve {
         Ok(Self { strain, stress, beyond })
     }
 
-    /// Knot strains, from 0.
+    /// Returns the strains of the knots, starting at 0.
     pub fn strain(&self) -> &[f64] {
         &self.strain
     }
 
-    /// Knot stresses, Pa, from 0.
+    /// Returns the stresses of the knots, Pa, starting at 0.
     pub fn stress(&self) -> &[f64] {
         &self.stress
     }
 
-    /// What happens past the last knot.
+    /// Returns the behaviour after the last knot.
     pub fn beyond(&self) -> Beyond {
         self.beyond
     }
 
-    /// Slopes of the segments, Pa; one fewer than knots.
+    /// Iterates over the slopes of the segments, Pa; one fewer than knots.
     pub fn slopes(&self) -> impl Iterator<Item = f64> + '_ {
         self.strain.windows(2).zip(self.stress.windows(2)).map(|(e, s)| (s[1] - s[0]) / (e[1] - e[0]))
     }
 
-    /// The steepest slope, Pa.
+    /// Returns the steepest slope, Pa.
     pub fn steepest(&self) -> f64 {
         self.slopes().fold(0.0, f64::max)
     }
 
-    /// Strain of the last knot.
+    /// Returns the strain of the last knot.
     pub fn last_strain(&self) -> f64 {
         self.strain[self.strain.len() - 1]
     }
 
-    /// End of the part that follows `modulus` from the origin (strain, stress): the elastic limit. (0, 0) where
-    /// the first slope is smaller than `modulus`.
+    /// Returns the elastic limit (strain, stress): the end of the part that follows the slope `modulus` from the origin. (0, 0) if the initial
+    /// slope is smaller than `modulus`.
     pub fn elastic_limit(&self, modulus: f64) -> (f64, f64) {
         let follows = self.slopes().take_while(|&slope| (slope / modulus - 1.0).abs() <= SLOPE_ROUND_OFF).count();
         (self.strain[follows], self.stress[follows])
     }
 
-    /// With the first rows exactly on the line of `modulus` from the origin, as long as only the rounding of the written digits takes them off
-    /// it: the strains move, since stresses are round numbers more often.
+    /// Moves the first rows exactly onto the line of slope `modulus` through the origin, as long as only the rounding of the written digits
+    /// separates them from it. The strains are changed, since stresses are more often round numbers.
     #[must_use]
     pub(super) fn on_elastic_line(mut self, modulus: f64) -> Self {
         for k in 1..self.strain.len() {
@@ -154,18 +153,18 @@ impl Curve {
         self
     }
 
-    /// The first segment steeper than `modulus`: index of its upper knot and its slope, Pa.
+    /// Returns the first segment steeper than `modulus`: index of its upper knot, and its slope, Pa.
     pub fn steeper_than(&self, modulus: f64) -> Option<(usize, f64)> {
         self.slopes().enumerate().find(|&(_, slope)| slope > modulus * (1.0 + SLOPE_ROUND_OFF)).map(|(k, s)| (k + 1, s))
     }
 
-    /// Slope of the last segment, Pa.
+    /// Returns the slope of the last segment, Pa.
     pub fn last_slope(&self) -> f64 {
         self.slope(self.strain.len() - 2)
     }
 
-    /// Stress at a strain >= 0; past the last knot with the last slope if `Beyond::Extend`, otherwise the
-    /// last stress.
+    /// Returns the stress at a strain >= 0. After the last knot it continues with the last slope for `Beyond::Extend`, and is otherwise the last
+    /// stress.
     pub fn stress_at(&self, strain: f64) -> f64 {
         let last = self.strain.len() - 1;
         let upper = self.strain.partition_point(|&knot| knot <= strain);
@@ -179,12 +178,11 @@ impl Curve {
         }
     }
 
-    /// The point on which the critical velocity rests, or none within the data.
+    /// Returns the ultimate point, which determines the critical velocity; `None` if the data do not contain it.
     ///
-    /// It is the first knot that has the largest stress, so a plateau counts from its start. It counts unless
-    /// the curve rises past it: that is so where the largest stress is the last knot's and the curve still
-    /// rises there, or where an extension rises for ever. A curve that breaks while it rises
-    /// (`Beyond::Rupture`) has its ultimate point at the last knot, with its own reason.
+    /// It is the first knot that has the largest stress, so that a plateau counts from its start. It does not count if the curve can rise above it:
+    /// if the largest stress is that of the last knot, or if an extension rises without limit. A curve that ends with fracture while it rises
+    /// (`Beyond::Rupture`) has its ultimate point at the last knot, with a different reason.
     pub fn ultimate(&self) -> Option<Ultimate> {
         let last = self.strain.len() - 1;
         let top = (1..=last).fold(0, |top, k| if self.stress[k] > self.stress[top] { k } else { top });
@@ -198,17 +196,17 @@ impl Curve {
         }
     }
 
-    /// True where a run cannot continue past the last knot: nothing is known there. Past a largest stress inside the data
-    /// nothing more is needed of them: waves carry no more than that.
+    /// Whether a run cannot continue past the last knot because nothing is known there. If the data contain a maximum of the stress, no more is
+    /// needed, because waves carry no larger stress.
     pub fn stops_at_end(&self) -> bool {
         self.beyond == Beyond::Error && self.ultimate().is_none()
     }
 
-    /// The curve with every drop filled: f(e) = max over e' <= e of the table. This is what waves can carry into
-    /// the bar, since a falling stress has no wave speed; with its upper concave hull unchanged.
+    /// Returns the curve with every drop filled: f(e) = max over e' <= e of the table. This is the stress that waves can carry into the bar, since
+    /// a falling stress has no wave speed; the upper concave hull is unchanged.
     ///
-    /// Where an extension rises past an earlier maximum only after the last knot, knots are added there, so the
-    /// last strain can be larger than this curve's.
+    /// If an extension exceeds an earlier maximum only after the last knot, knots are added there, so that the last strain can be larger than that
+    /// of this curve.
     #[must_use]
     pub fn running_maximum(&self) -> Self {
         let mut strain = vec![0.0];
@@ -231,29 +229,29 @@ impl Curve {
         Self { strain, stress, beyond: self.beyond }
     }
 
-    /// Slope of segment `k`, Pa.
+    /// Returns the slope of segment `k`, Pa.
     fn slope(&self, k: usize) -> f64 {
         (self.stress[k + 1] - self.stress[k]) / (self.strain[k + 1] - self.strain[k])
     }
 
-    /// Strain at which the line of segment `k` has this stress.
+    /// Returns the strain at which the line of segment `k` has this stress.
     fn reaches(&self, k: usize, stress: f64) -> f64 {
         self.strain[k] + (stress - self.stress[k]) / self.slope(k)
     }
 }
 
-/// Slopes that differ by less than this (relative) are the same line: strains written in decimals carry a
-/// relative error of 1e-16, which a segment 1e-6 of its strain long turns into 1e-10 of its slope.
+/// Relative difference up to which slopes count as equal: strains written as decimals carry a relative error of 1e-16, which becomes 1e-10 of the
+/// slope for a segment of 1e-6 of its strain.
 pub(crate) const SLOPE_ROUND_OFF: f64 = 1e-10;
 
-/// Secants from the origin that differ from the modulus by less than this (relative) are on the elastic line: half a unit of the last of six
-/// significant digits, to which strains are often written.
+/// Relative difference from the modulus up to which secants from the origin are on the elastic line: half a unit of the last of six significant
+/// digits, with which strains are often written.
 pub(super) const SECANT_ROUND_OFF: f64 = 5e-6;
 
-/// The same of numbers that are not rounded in decimals: their rows stay as they are.
+/// As [`SECANT_ROUND_OFF`], for numbers that are not rounded to decimals: their rows are not moved.
 const EXACT: f64 = 1e-15;
 
-/// A slope that is too steep, and the modulus, in as many digits as show the difference, at least seven.
+/// Formats a slope that is too steep, and the modulus, with as many digits as show the difference, at least seven.
 pub(super) fn above_modulus(slope: f64, modulus: f64) -> String {
     let digits = (1.0 - (slope / modulus - 1.0).log10()).clamp(6.0, 15.0) as usize;
     format!("{slope:.digits$e} Pa, above the modulus {modulus:.digits$e} Pa")
@@ -263,7 +261,7 @@ fn refuse(row: usize, message: impl Into<String>) -> CurveError {
     CurveError { row, message: message.into() }
 }
 
-/// Checks one row for itself and against the row before.
+/// Checks one row by itself and against the previous one.
 fn check_row(rows: &[(f64, f64)], row: usize) -> Result<(), CurveError> {
     let (strain, stress) = rows[row];
     for (name, value) in [("strain", strain), ("stress", stress)] {
@@ -291,7 +289,7 @@ fn check_row(rows: &[(f64, f64)], row: usize) -> Result<(), CurveError> {
     Ok(())
 }
 
-/// Adds a knot, unless round-off has put it on the one before.
+/// Appends a knot, unless round-off has placed it on the previous one.
 fn push_distinct(strain: &mut Vec<f64>, stress: &mut Vec<f64>, e: f64, s: f64) {
     if strain.last().is_none_or(|&last| e > last) {
         strain.push(e);

@@ -9,10 +9,10 @@ use super::{Loading, Material, Measure, Provenance, Sense, constants, scatter};
 use crate::error::Result;
 use crate::input::Document;
 
-/// Reads one material file. A file without a name is named by its stem.
+/// Reads one material file. A file without the key `name` is named by its file stem.
 ///
 /// # Errors
-/// An [`InputError`](crate::error::InputError) with file, line, key, value and what is allowed.
+/// An [`InputError`](crate::error::InputError) with file, line, key, value and allowed values.
 pub fn read(path: &Path) -> Result<Material> {
     of_document(&Document::read(path)?, path)
 }
@@ -25,7 +25,7 @@ pub fn read_stdin() -> Result<Material> {
     of_document(&Document::read_scene(Path::new("-"))?, Path::new("stdin.toml"))
 }
 
-/// The same of a file that has been read.
+/// Reads a material from the text of a file.
 ///
 /// # Errors
 /// As for [`read`].
@@ -35,7 +35,7 @@ pub fn of_document(document: &Document, path: &Path) -> Result<Material> {
     parse(document, &stem, base, &path.display().to_string())
 }
 
-/// A material from the text of a file.
+/// Reads a material from a document; `stem` is its name if the document has none, `origin` its provenance.
 pub(super) fn parse(document: &Document, stem: &str, base: &Path, origin: &str) -> Result<Material> {
     let raw: RawMaterial = document.parse()?;
     let named = raw.name.is_some();
@@ -47,11 +47,11 @@ pub(super) fn parse(document: &Document, stem: &str, base: &Path, origin: &str) 
     Ok(material)
 }
 
-/// Checks a material that stands in `doc` under `key_prefix` (empty for a file of its own, "bar.material" in a
-/// scene). CSV files are looked up in `base_dir`.
+/// Checks a material that is given in `doc` under `key_prefix` (empty for a file of its own, "bar.material" in a scene). CSV files are relative to
+/// `base_dir`.
 ///
 /// # Errors
-/// An [`InputError`](crate::error::InputError) with file, line, key, value and what is allowed.
+/// An [`InputError`](crate::error::InputError) with file, line, key, value and allowed values.
 pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Path) -> Result<Material> {
     let keys = Keys { doc, prefix: key_prefix, base_dir };
     let modulus = keys.si(&raw.modulus)?;
@@ -87,7 +87,7 @@ pub fn resolve(raw: RawMaterial, doc: &Document, key_prefix: &str, base_dir: &Pa
     })
 }
 
-/// Shear is alike in both senses, and its engineering measure is the only one there is.
+/// Rejects keys of senses and true measures in a shear curve: it is the same in both senses, and is always in engineering measure.
 fn no_senses_in_shear(raw: &RawMaterial, main: &Given<'_>, keys: Keys<'_>) -> Result<()> {
     let curve = raw.curve.get_ref();
     let (key, span, why) = if let Some(compression) = &raw.compression {
@@ -104,7 +104,7 @@ fn no_senses_in_shear(raw: &RawMaterial, main: &Given<'_>, keys: Keys<'_>) -> Re
     Err(keys.error(span, key, why).help(format!("remove `{key}`, or remove loading = \"shear\"")).into())
 }
 
-/// The compression branch: its own curve, the same true curve converted to compression, or none.
+/// Returns the compression branch: its own curve, or the same true curve converted to compression; `None` if there is neither.
 fn compression(raw: &RawMaterial, main: &Given<'_>, modulus: Option<f64>, keys: Keys<'_>) -> Result<Option<Branch>> {
     let symmetry = raw.symmetry.as_ref();
     let refuse = |span, key: &str, message: &str, help: &str| Err(keys.error(span, key, message).help(help).into());

@@ -1,4 +1,4 @@
-//! Named hardening laws: flow stress against plastic strain (Hollomon: against total strain).
+//! Named hardening laws: flow stress as a function of plastic strain (Hollomon: total strain).
 
 use std::ops::Range;
 
@@ -68,7 +68,7 @@ laws! {
     laws {
         /// Hollomon K e^n
         /// of the total strain, from where that meets the elastic line (1945).
-        // n = 1 would be a straight line that never leaves the elastic one, or never meets it.
+        // n = 1 would be a straight line that either coincides with the elastic line or never meets it.
         Hollomon "hollomon" { k = "530 MPa" in Allowed::Positive, n = 0.44 in Allowed::Within(1e-4, 0.99) }
         /// Ludwik yield + K ep^n
         /// (1909).
@@ -92,7 +92,7 @@ laws! {
 
 const UP_TO_1: Allowed = Allowed::Above(0.0, 1.0);
 
-/// Tolerances of tables: 1e-8 to 0.1.
+/// Range of tolerances of tables: 1e-8 to 0.1.
 pub(super) type ToTabulate = Within<1, 10_000_000, 100_000_000>;
 
 /// Conversion of a formula (or a true table) to an engineering table.
@@ -107,12 +107,12 @@ pub struct RawTabulate {
 }
 
 impl Law {
-    /// True where the law's strain is the total one, not the plastic one.
+    /// Whether the strain of the law is the total strain, not the plastic strain.
     pub(super) fn of_total_strain(&self) -> bool {
         matches!(self, Self::Hollomon { .. })
     }
 
-    /// Flow stress at a plastic (Hollomon: total) strain >= 0, Pa.
+    /// Returns the flow stress at a plastic (Hollomon: total) strain >= 0, Pa.
     pub fn stress(&self, strain: f64) -> f64 {
         match *self {
             Self::Hollomon { k, n } => k * strain.powf(n),
@@ -125,7 +125,7 @@ impl Law {
         }
     }
 
-    /// Slope of the flow stress, Pa; infinite at zero strain for the powers below 1.
+    /// Returns the slope of the flow stress, Pa; infinite at zero strain for exponents below 1.
     pub fn slope(&self, strain: f64) -> f64 {
         match *self {
             Self::Hollomon { k, n } => k * n * strain.powf(n - 1.0),
@@ -151,7 +151,7 @@ impl std::fmt::Display for Law {
     }
 }
 
-/// The law of a curve that stands under `name`.
+/// Reads the law of a curve that is given under the key `name`.
 pub(super) fn read(formula: &Placed<Formula>, curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Law> {
     let law = formula.get_ref().law(curve, keys.doc, &keys.key(name), formula.span())?;
     if let Law::Voce { yield_stress, saturation, .. } = law
@@ -166,7 +166,7 @@ pub(super) fn read(formula: &Placed<Formula>, curve: &RawCurve, name: &str, keys
     Ok(law)
 }
 
-/// Refuses constants where there is no formula.
+/// Rejects constants without a formula.
 pub(super) fn refuse_constants(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<()> {
     let given = RawCurve::CONSTANTS.iter().find_map(|constant| constant.given(curve));
     let Some((key, place)) = given else { return Ok(()) };

@@ -1,15 +1,15 @@
-//! The heat constants of a material, as plain data.
+//! The constants of a material for heating and thermal softening.
 
 use serde::Serialize;
 
-/// Constants for adiabatic heating, and the softening 1 - ((T - reference)/(melting - reference))^exponent.
+/// Constants for adiabatic heating, and for the softening 1 - ((T - reference)/(melting - reference))^exponent.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct HeatConstants {
-    /// J/(kg K), > 0.
+    /// Specific heat, J/(kg K), > 0.
     pub specific_heat: Option<f64>,
-    /// Fraction of the plastic work that turns into heat, 0 to 1.
+    /// Fraction of the plastic work that is converted to heat, 0 to 1.
     pub fraction: Option<f64>,
-    /// Temperature at which the curve holds, K.
+    /// Temperature at which the curve was measured, K.
     pub reference_temperature: Option<f64>,
     /// Melting temperature, K.
     pub melting_temperature: Option<f64>,
@@ -18,7 +18,7 @@ pub struct HeatConstants {
 }
 
 impl HeatConstants {
-    /// Keys of `[heat]` that heating and softening need and that are not stated.
+    /// Returns the keys of `[heat]` that heating and softening need and that are not stated.
     pub fn missing(&self) -> Vec<&'static str> {
         let needed = [
             ("specific-heat", self.specific_heat),

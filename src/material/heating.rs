@@ -1,8 +1,8 @@
 //! Adiabatic heating: plastic work raises the temperature and lowers the flow stress.
 //!
-//! With isotropic hardening and flow in one sense only, the work of a plastic strain p is the area under the curve,
-//! whatever the elastic excursions between. The temperature is then a function of p, and the heated material is equivalent to
-//! one with another curve, the adiabatic one. Solvers use this curve at no extra cost.
+//! With isotropic hardening and flow in one sense only, the work of a plastic strain p is the area under the curve, whatever the elastic excursions
+//! in between. The temperature is then a function of p, and the heated material is equivalent to one with another curve, the adiabatic one. Solvers
+//! use this curve at no extra cost.
 
 use serde::Serialize;
 
@@ -16,53 +16,53 @@ use crate::units::Dimension;
 /// Default fraction of the plastic work that is converted to heat (Taylor and Quinney 1934).
 pub const DEFAULT_FRACTION: f64 = 0.9;
 
-/// Distance in stress between the adiabatic table and the cold one softened, over the largest stress of the cold one.
+/// Largest stress difference between the adiabatic table and the softened cold curve, over the largest stress of the cold curve.
 pub const TOLERANCE: f64 = 1e-4;
 
-/// Least plastic strain at which an extended curve is no longer followed towards melting.
+/// Plastic strain at which the continuation of an extended curve towards melting ends.
 const FARTHEST: f64 = 1e3;
 
-/// Part of its largest stress from which an extended curve counts as molten.
+/// Fraction of its largest stress below which an extended curve counts as molten.
 const MOLTEN: f64 = 1e-3;
 
-/// Heating by plastic work and what it does to a material.
+/// Adiabatic heating of a material by plastic work.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Heating {
-    /// Fraction of the plastic work that turns into heat, 0 to 1.
+    /// Fraction of the plastic work that is converted to heat, 0 to 1.
     pub fraction: f64,
-    /// J/(kg K).
+    /// Specific heat, J/(kg K).
     pub specific_heat: f64,
-    /// Temperature at the start, at which the cold curve holds, K.
+    /// Initial temperature, for which the cold curve holds, K.
     pub reference_temperature: f64,
-    /// Temperature at which the flow stress vanishes, K.
+    /// Melting temperature, at which the flow stress vanishes, K.
     pub melting_temperature: f64,
-    /// m of the softening `1 - ((T - reference)/(melting - reference))^m`.
+    /// Exponent m of the softening `1 - ((T - reference)/(melting - reference))^m`.
     pub exponent: f64,
-    /// The curves at the reference temperature: tension, and compression where it has one of its own.
+    /// Curves at the reference temperature: tension, and compression if it has a curve of its own.
     pub cold: Vec<Curve>,
-    /// rho c, J/(m^3 K).
+    /// Heat capacity per volume, rho c, J/(m^3 K).
     #[serde(skip)]
     capacity: f64,
-    /// Plastic work along the adiabatic curves, one for each cold one.
+    /// Plastic work along the adiabatic curves, one table for each cold curve.
     #[serde(skip)]
     work: Vec<WorkTable>,
 }
 
-/// Why a material cannot be heated.
+/// Reason why a material cannot be heated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum HeatingError {
-    /// Keys of `[heat]` that it does not state.
+    /// The material does not state these keys of `[heat]`.
     #[error("the material lacks constants of [heat]: {}", .0.join(", "))]
     Missing(Vec<&'static str>),
-    /// Its curve cannot be softened.
+    /// The curve cannot be softened.
     #[error("the curve of the material cannot be softened: {0}")]
     Curve(CurveError),
-    /// The fraction of the plastic work that is to turn into heat is none.
+    /// The given fraction of the plastic work is not between 0 and 1.
     #[error("{0} is out of range")]
     Fraction(f64),
 }
 
-/// Fractions of the plastic work that can turn into heat.
+/// Range of the fraction of the plastic work that is converted to heat.
 const FRACTIONS: Allowed = Allowed::Within(0.0, 1.0);
 
 impl From<HeatingError> for InputError {
@@ -86,12 +86,12 @@ impl From<HeatingError> for Error {
 }
 
 impl Material {
-    /// This material heated by `fraction` of its plastic work (none: its own, else [`DEFAULT_FRACTION`]): its curves become
-    /// the adiabatic ones, and [`Material::heating`] knows the rest. A material that cannot flow and states no constants
-    /// stays as it is, and so do the curves where the fraction is 0.
+    /// Returns this material heated by `fraction` of its plastic work (`None`: its own fraction, or else [`DEFAULT_FRACTION`]). Its curves are
+    /// replaced by the adiabatic ones, and [`Material::heating`] holds the constants and the cold curves. A material that cannot flow and lacks
+    /// constants is returned unchanged, and the curves are not changed if the fraction is 0.
     ///
     /// # Errors
-    /// A constant of `[heat]` that is missing, a fraction outside of 0 to 1, a curve that cannot be softened.
+    /// A constant of `[heat]` is missing, the fraction is not between 0 and 1, or a curve cannot be softened.
     pub fn heated(&self, fraction: Option<f64>) -> Result<Self, HeatingError> {
         let given = &self.constants.heat;
         let fraction = fraction.or(given.fraction).unwrap_or(DEFAULT_FRACTION);
@@ -126,8 +126,8 @@ impl Material {
         Ok(material)
     }
 
-    /// This heated material, for loading that starts `rise` (K) above the reference temperature: its curves alone, without the temperatures along
-    /// them. None where it is not heated, or a curve at that temperature is none.
+    /// Returns this heated material for loading that starts `rise` (K) above the reference temperature. Only its curves are converted, not the
+    /// temperatures along them. `None` if the material is not heated, or if a converted table is not a valid curve.
     #[must_use]
     pub fn at_rise(&self, rise: f64) -> Option<Self> {
         let heating = self.heating.as_ref()?;
@@ -143,59 +143,59 @@ impl Material {
         Some(Self { tension, compression, ..self.clone() })
     }
 
-    /// Its curves are adiabatic ones.
+    /// Whether its curves are adiabatic ones.
     pub fn is_adiabatic(&self) -> bool {
         self.heating.as_ref().is_some_and(|heating| heating.warms())
     }
 
-    /// Some strain of the curves is plastic.
+    /// Whether the curves include plastic strain.
     pub(crate) fn can_flow(&self) -> bool {
         let bends = |curve: &Curve| curve.elastic_limit(self.modulus).0 < curve.last_strain();
         bends(&self.tension) || self.compression.as_ref().is_some_and(bends)
     }
 }
 
-/// Not inlined: compilers work a power out beforehand, and choose afterwards.
+/// Not inlined, because compilers would otherwise compute the power in both cases and select afterwards.
 #[inline(never)]
 fn power(share: f64, exponent: f64) -> f64 {
     share.powf(exponent)
 }
 
 impl Heating {
-    /// False if the heated fraction is zero: the material then is the cold one.
+    /// Whether the heated fraction is positive; if it is zero, the material is the cold one.
     pub fn warms(&self) -> bool {
         self.fraction > 0.0
     }
 
-    /// Temperature after plastic work per volume, J/m^3, since the start: K, at most the melting temperature.
+    /// Returns the temperature after plastic work per volume, J/m^3, since the start, K; at most the melting temperature.
     pub fn temperature_after(&self, work: f64) -> f64 {
         (self.reference_temperature + self.fraction * work / self.capacity).min(self.melting_temperature)
     }
 
-    /// Temperature at an accumulated plastic strain >= 0 of a place that flowed in one sense, K.
+    /// Returns the temperature at an accumulated plastic strain >= 0 of a point that flowed in one sense only, K.
     pub fn temperature(&self, sense: Sense, plastic_strain: f64) -> f64 {
         let which = usize::from(sense == Sense::Compression).min(self.work.len() - 1);
         self.temperature_after(self.work[which].at(plastic_strain))
     }
 
-    /// Largest rise above the reference temperature, K: that to melting.
+    /// Returns the largest temperature rise above the reference temperature, up to melting, K.
     pub fn range(&self) -> f64 {
         self.melting_temperature - self.reference_temperature
     }
 
-    /// Rise in temperature by plastic work per volume, K m^3/J.
+    /// Returns the temperature rise per plastic work per volume, K m^3/J.
     pub fn rise_per_work(&self) -> f64 {
         self.fraction / self.capacity
     }
 
-    /// Factor of the flow stress at a rise above the reference temperature, K: 1 to 0.
+    /// Returns the factor of the flow stress, 1 to 0, at a rise above the reference temperature, K.
     pub fn softening(&self, rise: f64) -> f64 {
         let share = (rise / self.range()).clamp(0.0, 1.0);
         1.0 - if self.exponent == 1.0 { share } else { power(share, self.exponent) }
     }
 
-    /// The adiabatic curve of a cold one, for loading that starts in this state: stress f(p) g(T(p)) at the strain p + stress/E. The drop that follows
-    /// its largest stress is part of it. Knots are added so that it is within [`TOLERANCE`].
+    /// Returns the adiabatic curve of a cold one for loading that starts in this state: stress f(p) g(T(p)) at the strain p + stress/E. It includes
+    /// the drop after its largest stress. Knots are added so that it is within [`TOLERANCE`].
     fn softened(&self, cold: &Curve, modulus: f64, start: AdiabaticState) -> Result<Curve, CurveError> {
         let omega = self.rise_per_work() / self.range();
         let top = cold.stress().iter().copied().fold(0.0, f64::max);
@@ -206,7 +206,7 @@ impl Heating {
             let [(p, f), (p_end, f_end)] = [pair[0], pair[1]];
             let width = p_end - p;
             if width == 0.0 {
-                // Along the elastic line nothing flows. Before the first flow the cold knots themselves are kept, scaled.
+                // Nothing flows along the elastic line. Before the first flow the cold knots are kept, scaled by the initial strength.
                 let stress = f_end * adiabatic.strength();
                 let strain = if p == 0.0 { cold.strain()[k + 1] * at_first } else { p + stress / modulus };
                 rows.push((strain, stress));
@@ -222,21 +222,21 @@ impl Heating {
             adiabatic = after(width);
         }
         extend(cold, modulus, (omega, top), (knots[knots.len() - 1], adiabatic), &mut rows);
-        // With m < 1 the stress drops, right where it first flows, faster than strain can grow there.
+        // For m < 1 the stress can drop at first flow faster than the plastic strain grows; the strain would decrease there.
         let mut last = 0.0;
         rows.retain(|row| {
             let keep = row.0 > last;
             last = row.0.max(last);
             keep
         });
-        // Next to melting, less than any measurable stress is none.
+        // Near melting, stresses below the smallest allowed magnitude are set to zero.
         let least = Dimension::Stress.magnitudes().least;
         rows.iter_mut().filter(|row| row.1 < least).for_each(|row| row.1 = 0.0);
         Curve::new(&rows, cold.beyond())
     }
 }
 
-/// Continues an extended curve along its last slope, to the melting point.
+/// Continues an extended curve along its last slope to the melting point.
 fn extend(
     cold: &Curve,
     modulus: f64,
@@ -250,7 +250,7 @@ fn extend(
     }
     let hardening = slope / (1.0 - slope / modulus);
     let flow = |x: f64| (f + hardening * x).max(0.0);
-    // A falling line ends where it comes to zero.
+    // A falling line ends where its stress is zero.
     let reach = if hardening < 0.0 { -f / hardening } else { f64::INFINITY };
     let after = |x: f64| {
         let x = x.min(reach);
@@ -266,13 +266,13 @@ fn extend(
         breaks.push(2.0 * last(&breaks));
     }
     rows.extend(refine(&point, &breaks, TOLERANCE, top).rows.into_iter().skip(1));
-    // The rest is level.
+    // The rest is horizontal.
     let end = last(&breaks);
     let (strain, stress) = point(end);
     rows.push((strain + end, stress));
 }
 
-/// Knots of a curve as plastic strain and stress, Pa; the plastic strain never falls.
+/// Returns the knots of a curve as plastic strain and stress, Pa; the plastic strain never decreases.
 fn flow_knots(curve: &Curve, modulus: f64) -> Vec<(f64, f64)> {
     let mut knots = vec![(0.0, 0.0)];
     let mut p = 0.0;
@@ -285,19 +285,19 @@ fn flow_knots(curve: &Curve, modulus: f64) -> Vec<(f64, f64)> {
     knots
 }
 
-/// Plastic work along a curve as the solvers follow it: with its drops filled.
+/// Plastic work along a curve with its drops filled, as the solvers follow it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct WorkTable {
     plastic: Vec<f64>,
     stress: Vec<f64>,
-    /// J/m^3.
+    /// Plastic work per volume at the knots, J/m^3.
     work: Vec<f64>,
-    /// d stress/d plastic strain past the last knot, Pa.
+    /// Slope d stress/d plastic strain after the last knot, Pa.
     slope: f64,
 }
 
 impl WorkTable {
-    /// Along a curve with elastic modulus `modulus`, Pa.
+    /// Creates the table for a curve with the elastic modulus `modulus`, Pa.
     pub fn new(curve: &Curve, modulus: f64) -> Self {
         let filled = curve.running_maximum();
         let last = filled.last_slope();
@@ -311,9 +311,9 @@ impl WorkTable {
         Self { plastic, stress, work, slope }
     }
 
-    /// Work per volume up to a plastic strain >= 0, J/m^3.
+    /// Returns the work per volume up to a plastic strain >= 0, J/m^3.
     pub fn at(&self, plastic: f64) -> f64 {
-        // The last of knots at one plastic strain: the stress that holds beyond them.
+        // Of several knots at one plastic strain, the last one holds the stress at larger strains.
         let k = self.plastic.partition_point(|&p| p <= plastic).max(1) - 1;
         let slope = match self.plastic.get(k + 1) {
             Some(next) => (self.stress[k + 1] - self.stress[k]) / (next - self.plastic[k]),

@@ -1,4 +1,4 @@
-//! The keys of a material in a document: full names, numbers, and errors at their place.
+//! The keys of a material in a document: full names, numbers, and errors at their position.
 
 use std::ops::Range;
 use std::path::Path;
@@ -8,12 +8,12 @@ use crate::input::{Allowed, Document, Number};
 use crate::typed::Key;
 use crate::units::Dimension;
 
-/// A document with the place of a material in it.
+/// A document with the position of a material in it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Keys<'a> {
     pub(super) doc: &'a Document,
     pub(super) prefix: &'a str,
-    /// Where CSV files are looked up.
+    /// Folder to which the paths of CSV files are relative.
     pub(super) base_dir: &'a Path,
 }
 
@@ -26,7 +26,7 @@ impl Keys<'_> {
         self.doc.error(span, &self.key(key), message)
     }
 
-    /// Where the value of a key stands; none where the text has no such key.
+    /// Returns the position of the value of a key; `None` if the text does not have this key.
     pub(super) fn span_of(&self, key: &str) -> Option<Range<usize>> {
         self.doc.span_of(&self.key(key))
     }

@@ -1,4 +1,4 @@
-//! Laws of materials as files state them, each declared once with its constants: the formulas of curves and the laws of the strain rate.
+//! Declaration of material laws as stated in files, each once with its constants: the formulas of curves and the rate laws.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::input::{Allowed, Document, Number};
 use crate::typed::{self, Key, Of, Or};
 use crate::units::{Dimension, Measure};
 
-/// Type of the key of a constant; it may be absent, since other laws do without.
+/// Type of the key of a constant; the key is optional, since other laws do not use it.
 pub(super) trait ConstantKey: Key {
     const DIMENSION: Dimension;
     const ALLOWED: Allowed;
@@ -31,7 +31,7 @@ impl<D: Measure, R: typed::Range, const N: i64, const PER: i64> ConstantKey for 
 /// A constant, which is a key of the table `Raw`.
 pub(super) struct Constant<Raw> {
     pub(super) key: &'static str,
-    /// As a file states it.
+    /// Example of its value as written in a file.
     pub(super) example: &'static str,
     pub(super) dimension: Dimension,
     pub(super) allowed: Allowed,
@@ -44,18 +44,18 @@ impl<Raw> Constant<Raw> {
         Self { key, example: "", dimension: K::DIMENSION, allowed: K::ALLOWED, default: K::DEFAULT, typed }
     }
 
-    /// Its key and place, if it is given.
+    /// Returns its key and position if it is given.
     pub(super) fn given(&self, raw: &Raw) -> Option<(&'static str, Range<usize>)> {
         Some((self.key, (self.typed)(raw)?.span()))
     }
 }
 
-/// A law in files.
+/// A law as stated in files.
 pub(super) struct LawKeys<Raw: 'static> {
-    /// The key that selects it by its name.
+    /// Key that selects the law by its name.
     pub(super) selector: &'static str,
     pub(super) name: &'static str,
-    /// First line of its description.
+    /// First line of the description.
     pub(super) title: &'static str,
     pub(super) constants: &'static [Constant<Raw>],
 }
@@ -65,17 +65,17 @@ impl<Raw> LawKeys<Raw> {
         self.constants.iter().map(one).collect::<Vec<_>>().join(", ")
     }
 
-    /// The keys of its constants.
+    /// Returns the keys of its constants.
     fn keys(&self) -> String {
         self.join(|constant| constant.key.to_owned())
     }
 
-    /// Its constants as a file states them.
+    /// Returns an example of its constants as written in a file.
     pub(super) fn example(&self) -> String {
         self.join(|constant| format!("{} = {}", constant.key, constant.example))
     }
 
-    /// Its constants for readers: "K = 530 MPa, n = 0.44".
+    /// Returns its constants for display: "K = 530 MPa, n = 0.44".
     pub(super) fn list(&self, values: &[f64], show: impl Fn(f64, Dimension) -> String) -> String {
         let mut values = values.iter();
         self.join(|constant| {
@@ -84,7 +84,7 @@ impl<Raw> LawKeys<Raw> {
         })
     }
 
-    /// The law as files state it.
+    /// Serializes the law as stated in files.
     pub(super) fn serialize<S: Serializer>(
         &self,
         values: &[f64],
@@ -94,7 +94,7 @@ impl<Raw> LawKeys<Raw> {
         serializer.collect_map(std::iter::once((self.selector, json!(self.name))).chain(constants))
     }
 
-    /// The constants in order, which stand under `key` at `span` of a document; others of `all` are refused.
+    /// Returns the constants in order, given under `key` at `span` of a document; other constants of `all` are rejected.
     pub(super) fn numbers<const N: usize>(
         &self,
         raw: &Raw,
@@ -125,9 +125,10 @@ impl<Raw> LawKeys<Raw> {
     }
 }
 
-/// Declares laws: the type of a law (with one more value, if it has one that has no constants and no name to be selected by), that of its
-/// name, and the table of a file in which its constants are keys. A row of a constant: its name in Rust, its key, and the type of the key.
-/// A row of a law: its name in Rust and in files, and its constants by their names in Rust, each with an example, and its range where this
+/// Declares laws: the enum of the laws (with one more variant, if declared, that has no constants and cannot be selected by name), the enum of
+/// their names, and the table of a file in which their constants are keys. A row of a constant consists of its name in Rust, its key, and the type
+/// of the key. A row of a law consists of its names in Rust and in files, and its constants by their names in Rust, each with an example, and with
+/// a range if it is narrower than that of the key.
 /// is narrower than that of the key.
 macro_rules! laws {
     (
@@ -148,7 +149,7 @@ macro_rules! laws {
             $variant:ident $text:literal { $($constant:ident = $example:literal $(in $range:expr)?),* }
         )*}
     ) => {
-        // What is declared of a constant, by its name.
+        // Declared properties of a constant, by its name.
         macro_rules! constant {$(
             ($c key) => { Constant::new::<$key_type>($key, |raw: &$raw| raw.$c.typed()) };
             ($c meaning) => { concat!($($meaning,)* " (`", stringify!($key_type), "`)") };
@@ -197,7 +198,7 @@ macro_rules! laws {
                 LawKeys { selector: $selector, name, title: title.trim_ascii(), constants }
             }
 
-            /// The law with its constants, which stand under `key` at `span` of a document; those of other laws are refused.
+            /// Returns the law with its constants, given under `key` at `span` of a document; constants of other laws are rejected.
             pub(crate) fn law(self, raw: &$raw, document: &Document, key: &str, span: Range<usize>) -> Result<$law> {
                 let keys = self.keys();
                 Ok(match self {$(
@@ -210,7 +211,7 @@ macro_rules! laws {
         }
 
         impl $law {
-            /// As files state it, and the values of its constants.
+            /// Returns the keys of the law, and the values of its constants.
             fn stated(self) -> (LawKeys<$raw>, Vec<f64>) {
                 match self {
                     $(Self::$variant { $($constant),* } => ($name::$variant.keys(), vec![$($constant),*]),)*

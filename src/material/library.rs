@@ -59,35 +59,35 @@ built_in![
     "titanium-6al-4v-jc",
 ];
 
-/// Other names for built-in materials.
+/// Alternative names of built-in materials.
 const ALIASES: &[(&str, &str)] = &[("steel-low-carbon-annealed", "mild-steel")];
 
-/// Names of the built-in materials, sorted.
+/// Returns the names of the built-in materials, sorted.
 pub fn names() -> impl Iterator<Item = &'static str> {
     BUILT_IN.iter().map(|(name, _)| *name)
 }
 
-/// The exact text of a built-in material file.
+/// Returns the exact text of a built-in material file.
 pub fn built_in_text(name: &str) -> Option<&'static str> {
     let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, target)| target);
     BUILT_IN.iter().find(|(known, _)| *known == name).map(|(_, text)| *text)
 }
 
-/// Folders in which material files are looked up, in order.
+/// Returns the folders that are searched for material files, in order.
 pub fn folders(base_dir: &Path) -> Vec<PathBuf> {
     std::iter::once(base_dir.join("materials")).chain(user_folder()).collect()
 }
 
-/// The user's own folder.
+/// Returns the folder of the user's materials.
 pub fn user_folder() -> Option<PathBuf> {
     let named = || std::env::var_os(FOLDER_VARIABLE).filter(|v| !v.is_empty()).map(PathBuf::from);
     text_file::of_store(|files| files.materials.as_ref().map(PathBuf::from)).unwrap_or_else(named)
 }
 
-/// The material of a name or path; paths and `materials/` start at `base_dir` (the scene's folder).
+/// Returns the material with this name or path; paths and `materials/` are relative to `base_dir` (the folder of the scene).
 ///
 /// # Errors
-/// An unknown name (with the nearest known one), a missing file, or whatever is wrong in the file.
+/// The name is unknown (the error suggests the nearest known one), the file is missing, or its contents are invalid.
 pub fn find(name_or_path: &str, base_dir: &Path) -> Result<Material> {
     if is_path(name_or_path) {
         return file::read(&base_dir.join(name_or_path));
@@ -105,7 +105,7 @@ pub fn find(name_or_path: &str, base_dir: &Path) -> Result<Material> {
     }
 }
 
-/// Names of the materials in the user's folders, in the order in which they are looked up.
+/// Returns the names of the materials in the user's folders, in the order in which they are searched.
 pub fn user_names(base_dir: &Path) -> Vec<String> {
     let mut names = Vec::new();
     for folder in folders(base_dir) {
@@ -118,11 +118,11 @@ pub fn user_names(base_dir: &Path) -> Vec<String> {
     names
 }
 
-/// Names of the materials that match a pattern, in which `*` stands for any characters and `?` for one: first the built-in ones, then
+/// Returns the names of the materials that match a pattern, in which `*` stands for any characters and `?` for one: first the built-in ones, then
 /// those in the user's folders.
 ///
 /// # Errors
-/// A pattern that no name matches.
+/// No name matches the pattern.
 pub fn matching(pattern: &str, base_dir: &Path) -> Result<Vec<String>> {
     let wild = WildMatch::new(pattern);
     let mut found: Vec<String> = names().map(str::to_owned).collect();

@@ -1,20 +1,20 @@
 //! The mean of the curves of several tests.
 //!
-//! Plastic strain and stress are averaged at equal fractions of the plastic strain at the largest stress, and past it at equal fractions of
-//! the way to the last row, so that tests which neck at different strains do not blunt the maximum of the mean. A test whose stress rises up
-//! to its last row does not show the way past the largest stress: its fractions are those of the mean of the tests that do, scaled so that
-//! both end together if it broke or is the longer one. Past its end the mean goes on by the mean increment of the tests that have data there,
-//! without a step.
+//! Plastic strain and stress are averaged at equal fractions of the plastic strain at the largest stress, and after it at equal fractions of the
+//! interval to the last row, so that tests which neck at different strains do not blunt the maximum of the mean. A test whose stress rises up to
+//! its last row does not contain the interval after the largest stress: its fractions are those of the mean of the tests that do, scaled so that
+//! both end together if it broke or is the longer one. After the end of a test the mean continues with the mean increment of the tests that have
+//! data there, without a step.
 
 use super::TestCurve;
 use crate::error::InputError;
 use crate::input::{Checked, positive};
 use crate::units::Dimension;
 
-/// Fractions that differ by less are one.
+/// Difference up to which fractions count as equal.
 const SAME: f64 = 1e-9;
 
-/// Tests of which there is one at least.
+/// Checks that there is at least one test.
 pub(crate) fn check_tests(count: usize) -> Checked {
     if count > 0 {
         return Ok(());
@@ -23,20 +23,20 @@ pub(crate) fn check_tests(count: usize) -> Checked {
     Err(error.allowed("at least one test").help("give the curves of the tests"))
 }
 
-/// The mean of the moduli of several tests, Pa.
+/// Returns the mean of the moduli of several tests, Pa.
 ///
 /// # Errors
-/// No test.
+/// There is no test.
 pub fn mean_modulus(tests: &[TestCurve]) -> Result<f64, InputError> {
     check_tests(tests.len())?;
     Ok(tests.iter().map(|test| test.modulus).sum::<f64>() / tests.len() as f64)
 }
 
-/// The mean of the curves of several tests: rows (strain, stress in Pa) from the elastic limit on, with elastic strains by
-/// `modulus` (Pa). The rows are the knots of all tests, between which the mean is straight, too.
+/// Returns the mean of the curves of several tests: rows (strain, stress in Pa) from the elastic limit on, with elastic strains computed with
+/// `modulus` (Pa). The rows are the knots of all tests, since the mean is also straight between them.
 ///
 /// # Errors
-/// No test; a modulus out of range.
+/// There is no test, or the modulus is out of range.
 pub fn mean_curve(tests: &[TestCurve], modulus: f64) -> Result<Vec<(f64, f64)>, InputError> {
     check_tests(tests.len())?;
     positive([("modulus", modulus, Dimension::Stress)])?;
@@ -44,7 +44,7 @@ pub fn mean_curve(tests: &[TestCurve], modulus: f64) -> Result<Vec<(f64, f64)>, 
     let mut rows: Vec<(f64, f64)> = Vec::new();
     let mut add = |(p, s): (f64, f64)| {
         let strain = p + s / modulus;
-        // Strains closer than this would have slopes of rounding.
+        // The slope between closer strains would be dominated by rounding.
         if rows.last().is_none_or(|last| strain > last.0 * (1.0 + SAME)) {
             rows.push((strain, s));
         }
@@ -78,7 +78,7 @@ fn mean(values: impl ExactSizeIterator<Item = (f64, f64)>) -> (f64, f64) {
     (sum.0 / count, sum.1 / count)
 }
 
-/// The curves with the plastic strains that their fractions are of.
+/// Returns the curves with the plastic strains that their fractions refer to.
 fn flows(tests: &[TestCurve]) -> Vec<Flow> {
     let mut flows: Vec<Flow> = tests.iter().map(Flow::of).collect();
     let longest = flows.iter().map(Flow::last).fold(0.0, f64::max);
@@ -93,13 +93,13 @@ fn flows(tests: &[TestCurve]) -> Vec<Flow> {
     flows
 }
 
-/// Mean plastic strains at the largest stress and at the last row.
+/// Returns the mean plastic strains at the largest stress and at the last row.
 fn mean_spans<'a>(flows: impl Iterator<Item = &'a Flow>) -> Option<(f64, f64)> {
     let spans: Vec<(f64, f64)> = flows.map(|flow| (flow.top, flow.end)).collect();
     (!spans.is_empty()).then(|| mean(spans.into_iter()))
 }
 
-/// The fractions of all knots, increasing.
+/// Returns the fractions of all knots, in increasing order.
 fn fractions(flows: &[Flow]) -> Vec<f64> {
     let mut all: Vec<f64> =
         flows.iter().flat_map(|flow| flow.points.iter().map(|point| flow.fraction(point.0))).chain([0.0]).collect();
@@ -108,19 +108,19 @@ fn fractions(flows: &[Flow]) -> Vec<f64> {
     all
 }
 
-/// The limit of a value at a jump.
+/// Side from which the limit of a value at a jump is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
     Before,
     Behind,
 }
 
-/// Stress against plastic strain, which never falls, from the elastic limit on.
+/// Stress as a function of plastic strain, which never decreases, from the elastic limit on.
 struct Flow {
     points: Vec<(f64, f64)>,
-    /// Plastic strain of fraction 1: that at the largest stress.
+    /// Plastic strain at fraction 1, that of the largest stress.
     top: f64,
-    /// Plastic strain of fraction 2: that at the last row.
+    /// Plastic strain at fraction 2, that of the last row.
     end: f64,
     stopped: bool,
 }
@@ -141,7 +141,7 @@ impl Flow {
         Self { points, top: top.0, end, stopped: test.stopped_while_rising() }
     }
 
-    /// It goes on past the largest stress.
+    /// Whether the curve continues after the largest stress.
     fn falls(&self) -> bool {
         self.end > self.top
     }
@@ -160,12 +160,12 @@ impl Flow {
         }
     }
 
-    /// The fraction at its last row.
+    /// Returns the fraction at its last row.
     fn reach(&self) -> f64 {
         self.fraction(self.last())
     }
 
-    /// Plastic strain and stress at a fraction.
+    /// Returns the plastic strain and the stress at a fraction.
     fn at(&self, t: f64, side: Side) -> (f64, f64) {
         let p = if t <= 1.0 { t * self.top } else { self.top + (t - 1.0) * (self.end - self.top) };
         let near = SAME * self.last();

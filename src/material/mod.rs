@@ -46,7 +46,7 @@ pub use tabulate::{
 };
 pub use torsion::{TORSION_TOLERANCE, TubeSection};
 
-/// Which way the material is loaded from the virgin state.
+/// Sense of first loading from the virgin state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Sense {
@@ -57,12 +57,12 @@ pub enum Sense {
 }
 
 impl Sense {
-    /// The sense of a signed stress or strain (zero counts as tension).
+    /// Returns the sense of a signed stress or strain (zero counts as tension).
     pub fn of(signed: f64) -> Self {
         if signed < 0.0 { Self::Compression } else { Self::Tension }
     }
 
-    /// +1 in tension, -1 in compression.
+    /// Returns +1 in tension, -1 in compression.
     pub fn sign(self) -> f64 {
         match self {
             Self::Tension => 1.0,
@@ -70,12 +70,12 @@ impl Sense {
         }
     }
 
-    /// Place in pairs of tension and compression.
+    /// Returns the index in pairs of tension and compression.
     pub fn index(self) -> usize {
         usize::from(self == Self::Compression)
     }
 
-    /// The adjective's noun: "tension" or "compression".
+    /// Returns "tension" or "compression".
     pub fn name(self) -> &'static str {
         match self {
             Self::Tension => "tension",
@@ -84,7 +84,7 @@ impl Sense {
     }
 }
 
-/// Which strain and stress a curve is given in.
+/// Measure of the strains and stresses of a curve.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measure {
@@ -95,7 +95,7 @@ pub enum Measure {
     True,
 }
 
-/// What the stresses and strains of a curve are.
+/// Loading for which a curve is given.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Loading {
@@ -113,43 +113,43 @@ impl Loading {
     }
 }
 
-/// A material as the solvers see it: engineering tables, SI. Materials that were read or come from [`Material::from_curve`] are checked; one
-/// whose members were changed has to pass [`Material::check`].
+/// A material as the solvers use it: engineering tables, SI. Materials that were read or created by [`Material::from_curve`] are checked; after a
+/// change of its members, check a material with [`Material::check`].
 #[derive(Debug, Clone, Serialize)]
 pub struct Material {
     /// Short name, as in file names and legends.
     pub name: String,
     /// Description, one line.
     pub description: String,
-    /// Mass per volume, kg/m^3, > 0.
+    /// Density, kg/m^3, > 0.
     pub density: f64,
-    /// Elastic modulus, Pa: slope of every unloading; no slope of the curve exceeds it where it was given,
-    /// otherwise it is the steepest slope of the curve.
+    /// Elastic modulus, Pa: the slope of all unloading. If it is given, no slope of the curve exceeds it; otherwise it is the steepest slope of the
+    /// curve.
     pub modulus: f64,
-    /// What the curve and the modulus are of.
+    /// Loading for which the curve and the modulus hold.
     #[serde(skip_serializing_if = "Loading::is_axial")]
     pub loading: Loading,
-    /// Sense of the test that the main curve, `tension`, is of.
+    /// Sense of loading in the test from which the main curve, `tension`, was obtained.
     #[serde(skip)]
     pub sense: Sense,
-    /// Poisson's ratio where the file gives one.
+    /// Poisson's ratio, if the file states it.
     pub poisson: Option<f64>,
-    /// First loading in tension (and in compression too where `compression` is absent).
+    /// Curve of first loading in tension (and in compression if `compression` is `None`).
     pub tension: Curve,
-    /// First loading in compression, magnitudes.
+    /// Curve of first loading in compression, magnitudes.
     pub compression: Option<Curve>,
-    /// Largest distance in stress between the table and the formula it came from, Pa; 0 for a table.
+    /// Largest stress difference between the table and the formula it was made from, Pa; 0 for a table.
     pub table_error: f64,
-    /// The same of tension and of compression.
+    /// `table_error` of tension and of compression.
     #[serde(skip)]
     pub branch_errors: [f64; 2],
-    /// What else the file states: the law behind the table, rate and heat constants.
+    /// Other data of the file: the law from which the table was made, rate and heat constants.
     pub constants: Constants,
-    /// Shear modulus over Young's of a curve that was converted from tension, see [`Material::in_shear`]: the constants of rate laws are those of
-    /// tension.
+    /// Ratio of the shear modulus to Young's modulus, for a curve that was converted from tension (see [`Material::in_shear`]); the constants of
+    /// its rate laws are then those of tension.
     #[serde(skip)]
     pub shear_from_tension: Option<f64>,
-    /// Set where plastic work heats the material: the curves above are then the adiabatic ones, see [`Material::heated`].
+    /// Heating by plastic work; the curves above are then the adiabatic ones, see [`Material::heated`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heating: Option<Box<Heating>>,
     /// Scatter of repeated tests about the curve, which runs ignore.
@@ -162,21 +162,21 @@ pub struct Material {
 /// Source of a curve.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Provenance {
-    /// The publication, as the file states it.
+    /// The publication, as stated in the file.
     pub citation: String,
     /// What was measured.
     pub measured: String,
     /// Confidence: `measured`, `fitted` or `handbook`.
     pub confidence: String,
-    /// File the material was read from, or "built-in", or "inline".
+    /// File from which the material was read, or "built-in", or "inline".
     pub origin: String,
 }
 
 impl Material {
-    /// A material with this density (kg/m^3) and one table: modulus from the steepest slope, the same curve in compression.
+    /// Creates a material with this density (kg/m^3) and one curve: the modulus is its steepest slope, and compression has the same curve.
     ///
     /// # Errors
-    /// As [`Material::check`].
+    /// As for [`Material::check`].
     pub fn from_curve(name: impl Into<String>, density: f64, curve: Curve) -> Result<Self, InputError> {
         let material = Self {
             name: name.into(),
@@ -200,10 +200,10 @@ impl Material {
         Ok(material)
     }
 
-    /// Whether waves can be computed with it, which a change of its members may end.
+    /// Checks that waves can be computed with the material, which a change of its members may prevent.
     ///
     /// # Errors
-    /// A density outside of 1e-3 to 1e7 kg/m^3, a modulus outside of 1e-9 to 1e18 Pa or below a slope of a curve.
+    /// A density outside 1e-3 to 1e7 kg/m^3, or a modulus outside 1e-9 to 1e18 Pa or below a slope of a curve.
     pub fn check(&self) -> Result<(), InputError> {
         positive([("density", self.density, Dimension::Density), ("modulus", self.modulus, Dimension::Stress)])?;
         let steeper = |curve: &Curve| curve.steeper_than(self.modulus);
@@ -216,7 +216,7 @@ impl Material {
         Err(error.help("set the modulus to the steepest slope of the curves"))
     }
 
-    /// The loading table for a sense.
+    /// Returns the curve of first loading for a sense.
     pub fn branch(&self, sense: Sense) -> &Curve {
         match (sense, &self.compression) {
             (Sense::Compression, Some(curve)) => curve,
@@ -224,12 +224,12 @@ impl Material {
         }
     }
 
-    /// Elastic bar wave speed sqrt(E/rho), m/s.
+    /// Returns the elastic bar wave speed sqrt(E/rho), m/s.
     pub fn c0(&self) -> f64 {
         (self.modulus / self.density).sqrt()
     }
 
-    /// Elastic impedance rho c0 per unit area, Pa s/m.
+    /// Returns the elastic impedance per unit area, rho c0, Pa s/m.
     pub fn impedance(&self) -> f64 {
         self.density * self.c0()
     }

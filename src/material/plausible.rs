@@ -1,19 +1,19 @@
-//! Notes on improbable constants of a valid material.
+//! Warnings about improbable constants of a valid material.
 
 use super::{Loading, Material, Sense};
 use crate::units::{Dimension, System, format};
 
-/// Young's modulus of diamond, Pa: nothing is stiffer.
+/// Young's modulus of diamond, Pa, the stiffest material.
 const STIFFEST: f64 = 1.22e12;
-/// Density of osmium, kg/m^3: nothing is denser.
+/// Density of osmium, kg/m^3, the densest material.
 const DENSEST: f64 = 22_650.0;
-/// Elastic wave speeds of solids, m/s: soft rubber has 30, diamond 18,000.
+/// Range of elastic wave speeds of solids, m/s: 30 in soft rubber, 18,000 in diamond.
 const WAVE_SPEEDS: std::ops::Range<f64> = 10.0..25_000.0;
-/// First slopes closer to the modulus are those of rows with three digits.
+/// Initial slope over the modulus above which the difference can be due to rows with three digits.
 const ROUNDED: f64 = 0.99;
 
 impl Material {
-    /// A sentence each.
+    /// Returns the warnings, one sentence each.
     pub fn notes(&self) -> Vec<String> {
         [self.too_stiff(), self.too_dense(), self.improbable_wave_speed(), self.never_elastic()]
             .into_iter()
@@ -36,7 +36,7 @@ impl Material {
         })
     }
 
-    /// Modulus and density in units that do not fit each other. What is too stiff or too dense has its own note.
+    /// Warns if the units of modulus and density do not match. A modulus or density that is too large by itself has its own warning.
     fn improbable_wave_speed(&self) -> Option<String> {
         let (name, c0) = (&self.name, self.c0());
         let noted = self.modulus > STIFFEST || self.density > DENSEST;
@@ -51,7 +51,8 @@ impl Material {
         })
     }
 
-    /// Curves in torsion are those of a section, which bends from the start where its hollow is small.
+    /// Warns if the curve has no elastic part. Curves in torsion are those of a section, which can be nonlinear from the start, and are not
+    /// checked.
     fn never_elastic(&self) -> Option<String> {
         let curve = self.branch(Sense::Tension);
         let slope = curve.slopes().next().unwrap_or(self.modulus);

@@ -1,5 +1,4 @@
-//! The laws of the strain rate, as scenes and material files state them. Their equations are those of
-//! [`crate::law::rate::Overstress`].
+//! The rate laws, as stated in scenes and material files. Their equations are those of [`crate::law::rate::Overstress`].
 
 use std::ops::Range;
 
@@ -16,16 +15,17 @@ use crate::typed::{Key, NotNegative, Of, Placed, Plain, Positive};
 use crate::units::measures::{self, ReciprocalTemperature, Stress};
 use crate::units::{System, format};
 
-/// Declares the laws, each with the name of its table in a material. A material that states several laws uses the first of them here.
+/// Declares the rate laws, each with the name of its table in a material. If a material states several laws, the first of them in this order is
+/// used.
 macro_rules! rate_laws {
     (constants $constants:tt $($(#[doc = $doc:literal])* $law:ident $name:literal as $table:ident $own:tt)*) => {
         laws! {
-            /// A law of the strain rate with its constants, SI.
+            /// A rate law with its constants, SI.
             enum Rate {
-                /// Each segment by the constants of its own material.
+                /// For each segment, the law of its own material.
                 Material "material"
             }
-            /// The laws of the strain rate by name.
+            /// Rate laws by name.
             pub(crate) enum RateModel by "model";
             /// Rate law and its constants: `{ model = "malvern", k = "1e6 1/s" }`,
             /// `{ model = "cowper-symonds", D = "40 1/s", q = 5 }` or `{ model = "johnson-cook", C = 0.014, reference = "1 1/s" }`; in a material file the name of the table is the law, without `model`.
@@ -44,7 +44,7 @@ macro_rules! rate_laws {
             $($(#[doc = $doc])* $table: Option<Placed<RawRate>>,)*
         }
 
-        /// The tables of the laws in a material file, in words.
+        /// Returns the names of the tables of the rate laws in a material file, for messages.
         pub(crate) fn tables() -> String {
             let names = [$(concat!("[rate.", $name, "]")),*];
             let (last, first) = names.split_last().unwrap_or((&"", &[]));
@@ -52,7 +52,7 @@ macro_rules! rate_laws {
         }
 
         impl RawRates {
-            /// The laws that are stated.
+            /// Iterates over the laws that are stated.
             fn stated(&self) -> impl Iterator<Item = (RateModel, &Placed<RawRate>)> {
                 [$((RateModel::$law, self.$table.as_ref()),)*].into_iter().filter_map(|(law, raw)| Some((law, raw?)))
             }
@@ -93,14 +93,14 @@ rate_laws! {
 }
 
 impl RateModel {
-    /// How a scene states it.
+    /// Returns an example of the law as stated in a scene.
     pub(crate) fn example(self) -> String {
         let keys = self.keys();
         format!("rate = {{ model = \"{}\", {} }}", keys.name, keys.example())
     }
 }
 
-/// The laws that a material states.
+/// Returns the laws that a material states.
 pub(super) fn resolve(raw: &RawRates, heat: &HeatConstants, keys: Keys<'_>) -> Result<Vec<Rate>> {
     let law = |(model, raw): (RateModel, &Placed<RawRate>)| {
         let key = format!("rate.{}", model.keys().name);
@@ -118,23 +118,23 @@ pub(super) fn resolve(raw: &RawRates, heat: &HeatConstants, keys: Keys<'_>) -> R
     raw.stated().map(law).collect()
 }
 
-/// The way out where a law depends on temperature.
+/// Help text for a law that depends on temperature.
 pub(crate) const TEMPERATURE: &str = "add it to the material, e.g. heat = { reference-temperature = \"293 K\" }";
 
 impl Rate {
-    /// The law depends on the temperature.
+    /// Whether the law depends on the temperature.
     fn has_temperature(self) -> bool {
         matches!(self, Self::ZerilliArmstrong { .. })
     }
 
-    /// A material that can flow does not state the temperature on which the law depends.
+    /// Whether the law depends on a temperature that the material, which can flow, does not state.
     pub(crate) fn lacks_temperature(self, material: &Material) -> bool {
         let stated = material.constants.heat.reference_temperature.is_some();
         self.has_temperature() && !stated && material.can_flow()
     }
 
-    /// The law of tension in shear, by von Mises' rule: of tau = sigma/sqrt(3), and of a plastic shear strain rate that is sqrt(3) times the plastic strain
-    /// rate. `ratio` is the shear modulus over Young's.
+    /// Converts a law of tension to shear by von Mises' rule: tau = sigma/sqrt(3), and the plastic shear strain rate is sqrt(3) times the plastic
+    /// strain rate. `ratio` is the shear modulus over Young's modulus.
     #[must_use]
     pub fn in_shear(self, ratio: f64) -> Self {
         match self {
@@ -148,7 +148,7 @@ impl Rate {
         }
     }
 
-    /// The entry of the table `[rate]` of a material file; none where the law has no constants of its own.
+    /// Returns the entry in the table `[rate]` of a material file; `None` if the law has no constants of its own.
     pub(super) fn to_entry(self) -> Option<(String, toml::Value)> {
         let (keys, values) = self.stated();
         let constants =
@@ -157,7 +157,7 @@ impl Rate {
         (!constants.is_empty()).then(|| (keys.name.to_owned(), constants.into()))
     }
 
-    /// As it is listed: "malvern k = 1e6 1/s".
+    /// Returns the law as it is listed: "malvern k = 1e6 1/s".
     pub fn describe(self) -> String {
         let (keys, values) = self.stated();
         let constants = keys.list(&values, |value, dimension| format(value, dimension, System::Si));

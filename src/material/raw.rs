@@ -1,4 +1,4 @@
-//! The serde mirror of a material file; `file` converts it.
+//! Serde types that mirror a material file; the module `file` converts them.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -115,7 +115,7 @@ pub struct RawSource {
     pub confidence: Option<Confidence>,
 }
 
-/// How sure a curve is.
+/// Confidence in the curve of a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Confidence {

@@ -10,7 +10,7 @@ use crate::input::Number;
 #[derive(Debug, Clone)]
 pub struct TableRow(pub Number, pub Number);
 
-// By hand: a pair would ignore a third value.
+// Written by hand, because a pair would ignore a third value.
 impl<'de> Deserialize<'de> for TableRow {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Row;

@@ -15,9 +15,9 @@ use crate::units::{Dimension, Quantity};
 /// The scatter of repeated tests.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Scatter {
-    /// (engineering strain, standard deviation of the engineering stress in Pa).
+    /// Rows (engineering strain, standard deviation of the engineering stress in Pa).
     pub deviation: Vec<(f64, f64)>,
-    /// One curve a test.
+    /// One curve per test.
     pub tests: Vec<TestCurve>,
 }
 
@@ -29,7 +29,7 @@ pub struct TestCurve {
     /// Elastic modulus, Pa.
     #[serde(rename = "modulus_Pa")]
     pub modulus: f64,
-    /// kg/m^3; none where it is that of the material.
+    /// Density, kg/m^3; `None` if it is that of the material.
     #[serde(skip)]
     pub density: Option<f64>,
     /// The curve.
@@ -37,20 +37,20 @@ pub struct TestCurve {
 }
 
 impl Scatter {
-    /// Standard deviation of the stress at a strain, Pa: straight between rows, constant past the last one.
+    /// Returns the standard deviation of the stress at a strain, Pa: linear between rows, constant after the last one.
     pub fn deviation_at(&self, strain: f64) -> f64 {
         interpolate(&self.deviation, strain)
     }
 }
 
 impl TestCurve {
-    /// The test stopped while its stress rose: its data hold neither a largest stress nor a fracture.
+    /// Whether the test was stopped while its stress rose: its data contain neither a largest stress nor a fracture.
     pub fn stopped_while_rising(&self) -> bool {
         self.curve.ultimate().is_none()
     }
 }
 
-/// Straight between points of increasing x, constant outside; 0 without points.
+/// Interpolates linearly between points of increasing x, constant outside; 0 without points.
 fn interpolate(points: &[(f64, f64)], x: f64) -> f64 {
     let upper = points.partition_point(|point| point.0 <= x);
     match (upper.checked_sub(1).map(|k| points[k]), points.get(upper)) {
@@ -60,7 +60,7 @@ fn interpolate(points: &[(f64, f64)], x: f64) -> f64 {
     }
 }
 
-/// Checks `[band]`.
+/// Checks and converts `[band]`.
 pub(super) fn resolve(raw: RawBand, beyond: Beyond, keys: Keys<'_>) -> Result<Scatter> {
     let unit = match &raw.unit {
         Some(unit) => csv::factor(unit.get_ref(), Dimension::Stress)

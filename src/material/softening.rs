@@ -1,10 +1,10 @@
 //! Thermal softening: the homologous temperature as a function of plastic work.
 //!
-//! With theta = (T - Tref)/(Tm - Tref) the stress is the cold one times g = 1 - theta^m (Johnson and Cook), and the plastic
-//! work heats: `d theta = chi f g dp/(rho c (Tm - Tref))`. In terms of the cold work, `d omega = chi f dp/(rho c (Tm - Tref))`,
-//! that is `d theta/d omega = 1 - theta^m`: one function theta(omega) for each m, whatever the curve. It never reaches 1.
+//! With theta = (T - Tref)/(Tm - Tref) the stress is the cold stress times g = 1 - theta^m (Johnson and Cook), and plastic work causes the heating
+//! `d theta = chi f g dp/(rho c (Tm - Tref))`. In terms of the cold work, `d omega = chi f dp/(rho c (Tm - Tref))`, this is `d theta/d omega = 1 -
+//! theta^m`: one function theta(omega) for each m, independent of the curve. It never reaches 1.
 
-/// Nodes and weights of Gauss and Legendre's rule with eight points, the positive half.
+/// Nodes and weights of the Gauss-Legendre rule with eight points, the positive half.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -12,10 +12,10 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_2, 0.101_228_536_290_376_26),
 ];
 
-/// From this x on theta is 1 to the last bit, and d omega/dx its limit 1/m.
+/// Value of x above which theta is 1 to the last bit, and d omega/dx has its limit 1/m.
 const MELTED: f64 = 40.0;
 
-/// State of a heated element, stored as x = -ln(1 - theta), which is unbounded and grows about in proportion to the work.
+/// State of a heated element, stored as x = -ln(1 - theta), which is unbounded and grows roughly in proportion to the work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AdiabaticState {
     exponent: f64,
@@ -23,23 +23,23 @@ pub(super) struct AdiabaticState {
 }
 
 impl AdiabaticState {
-    /// A piece at theta = `share`, from 0 (cold) to less than 1; `exponent` is m > 0.
+    /// Creates the state at theta = `share`, from 0 (cold) to less than 1; `exponent` is m > 0.
     pub fn at(exponent: f64, share: f64) -> Self {
         Self { exponent, x: -(-share).ln_1p() }
     }
 
-    /// theta, 0 to 1.
+    /// Returns theta, 0 to 1.
     #[cfg(test)]
     pub fn share(self) -> f64 {
         -(-self.x).exp_m1()
     }
 
-    /// The factor 1 - theta^m of the stress.
+    /// Returns the factor of the stress, 1 - theta^m.
     pub fn strength(self) -> f64 {
         -(self.exponent * ln_share(self.x)).exp_m1()
     }
 
-    /// The same piece after more cold work `omega` >= 0. Relative error of x about 1e-12.
+    /// Returns the state after additional cold work `omega` >= 0. The relative error of x is about 1e-12.
     #[must_use]
     pub fn after(self, omega: f64) -> Self {
         if omega <= 0.0 {
@@ -47,7 +47,7 @@ impl AdiabaticState {
         }
         let mut x = self.x + omega;
         let mut done = self.work(self.x, x);
-        // Newton's method on a function of positive slope that bends one way; a handful of steps.
+        // Newton's method; the function increases and its curvature has one sign, so that a handful of steps suffices.
         for _ in 0..60 {
             let next = (x + (omega - done) / self.pace(x)).max(self.x);
             done += self.work(x, next);
@@ -60,7 +60,7 @@ impl AdiabaticState {
         Self { x, ..self }
     }
 
-    /// d omega/dx = (1 - theta)/(1 - theta^m): 1 where it is cold, 1/m where it melts.
+    /// Returns d omega/dx = (1 - theta)/(1 - theta^m): 1 when cold, 1/m near melting.
     fn pace(self, x: f64) -> f64 {
         if x > MELTED {
             return self.exponent.recip();
@@ -68,8 +68,8 @@ impl AdiabaticState {
         (-x).exp() / -(self.exponent * ln_share(x)).exp_m1()
     }
 
-    /// Cold work from one x to another (negative where that is lower), by Gauss's rule on parts that keep away from the
-    /// root at 0, where theta^m need not be smooth, and are short beside the scale on which theta^m changes.
+    /// Returns the cold work from one x to another (negative if that is smaller) by the Gauss rule on intervals that avoid the root at 0, where
+    /// theta^m need not be smooth, and are short compared with the scale on which theta^m changes.
     fn work(self, from: f64, to: f64) -> f64 {
         if to < from {
             return -self.work(to, from);
@@ -80,7 +80,7 @@ impl AdiabaticState {
         let (mut sum, mut b) = (0.0, to);
         while b > from {
             let a = (0.5 * b).max(b - longest).max(from);
-            // What is below a billionth of a billionth of the whole adds nothing.
+            // Contributions below 1e-18 of the whole are neglected.
             let a = if a < 1e-18 * to { from } else { a };
             let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
             let pair = |&(node, weight): &(f64, f64)| {
@@ -93,7 +93,7 @@ impl AdiabaticState {
     }
 }
 
-/// ln theta, exact at both ends.
+/// Returns ln theta, accurate at both ends.
 fn ln_share(x: f64) -> f64 {
     if x < 1.0 { (-(-x).exp_m1()).ln() } else { (-(-x).exp()).ln_1p() }
 }

@@ -1,8 +1,8 @@
 //! Conversion of laws and true-stress tables to engineering tables.
 //!
-//! True to engineering, for incompressible plastic flow: in tension e = exp(eps) - 1, s = sigma/(1 + e); in
-//! compression, in magnitudes, e = 1 - exp(-eps), s = sigma/(1 - e). The elastic part is kept straight in the
-//! engineering measure, s = E e, so that elastic waves have one speed.
+//! For incompressible plastic flow, true values are converted to engineering ones by e = exp(eps) - 1, s = sigma/(1 + e) in tension and, in
+//! magnitudes, e = 1 - exp(-eps), s = sigma/(1 - e) in compression. The elastic part is kept straight in the engineering measure, s = E e, so that
+//! elastic waves have a single speed.
 
 use super::curve::SECANT_ROUND_OFF;
 use super::formula::ToTabulate;
@@ -13,29 +13,29 @@ use crate::root::bisect;
 use crate::typed::Range;
 use crate::units::Dimension;
 
-/// How a law becomes a table.
+/// Settings of the conversion of a law to a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tabulate {
-    /// Largest distance in stress between table and law, over the largest stress; the velocity that the table needs
-    /// to reach any strain is within the same fraction of the law's. From 1e-8 to 0.1, as in materials.
+    /// Largest stress difference between table and law, over the largest stress; the impact velocity of the table at any strain is within the same
+    /// fraction of that of the law. From 1e-8 to 0.1, as in materials.
     pub tolerance: f64,
-    /// Engineering strain at which the table ends, in compression at most [`Tabulate::MOST_COMPRESSION`]; none: half as far
-    /// again (in true strain) as the largest engineering stress, or where there is no such maximum at
-    /// [`Tabulate::DEFAULT_TRUE_END`] in true compression, else at [`Tabulate::DEFAULT_END`].
+    /// Engineering strain at which the table ends, in compression at most [`Tabulate::MOST_COMPRESSION`]. `None`: 1.5 times the true strain at the
+    /// largest engineering stress; if there is no such maximum, [`Tabulate::DEFAULT_TRUE_END`] in true compression and [`Tabulate::DEFAULT_END`]
+    /// otherwise.
     pub to_strain: Option<f64>,
 }
 
 impl Tabulate {
-    /// Engineering strain at which the table of a law without a maximum ends by default.
+    /// Default engineering strain at the end of the table of a law without a maximum.
     pub const DEFAULT_END: f64 = 0.5;
-    /// True strain at which the compression table of a true law ends by default: half as far again as Taylor cylinders and
-    /// other compression tests of metals reach, which is about 1.
+    /// Default true strain at the end of the compression table of a true law: 1.5 times the strain of about 1 that Taylor cylinders and other
+    /// compression tests of metals reach.
     pub const DEFAULT_TRUE_END: f64 = 1.5;
-    /// Largest engineering strain of a compression table: 1 leaves no length, and not far below it the engineering stress rises
-    /// more steeply than the elastic line.
+    /// Largest engineering strain of a compression table: at 1 no length is left, and not far below it the engineering stress rises more steeply
+    /// than the elastic line.
     pub const MOST_COMPRESSION: f64 = 0.9;
 
-    /// What a table is made with.
+    /// Checks the tolerance and the modulus of a table.
     fn check(tolerance: f64, modulus: Option<f64>) -> Checked {
         member("tolerance", tolerance, Dimension::None, ToTabulate::ALLOWED)?;
         optional("modulus", modulus, Dimension::Stress, Allowed::Positive)
@@ -45,25 +45,25 @@ impl Tabulate {
 /// An engineering table made from a law or from true stresses.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tabulated {
-    /// (strain, stress in Pa), from the elastic limit on; the origin is left out.
+    /// Rows (strain, stress in Pa) from the elastic limit on, without the origin.
     pub rows: Vec<(f64, f64)>,
-    /// Largest distance in stress from what it was made of, Pa, sampled between the knots.
+    /// Largest stress difference from the law or the true curve, Pa, sampled between the knots.
     pub error: f64,
 }
 
-/// Engineering strain and stress (magnitudes) from true ones.
+/// Converts true strain and stress (magnitudes) to engineering ones.
 pub fn engineering_from_true(sense: Sense, strain: f64, stress: f64) -> (f64, f64) {
     let stretched = sense.sign() * strain;
     (sense.sign() * stretched.exp_m1(), stress * (-stretched).exp())
 }
 
-/// True strain and stress (magnitudes) from engineering ones.
+/// Converts engineering strain and stress (magnitudes) to true ones.
 pub fn true_from_engineering(sense: Sense, strain: f64, stress: f64) -> (f64, f64) {
     let sign = sense.sign();
     (sign * (sign * strain).ln_1p(), stress * (1.0 + sign * strain))
 }
 
-/// A law with what turns its stresses into engineering ones.
+/// A law with the data that convert its stresses to engineering ones.
 struct Branch<'a> {
     law: &'a Law,
     modulus: f64,
@@ -72,8 +72,8 @@ struct Branch<'a> {
 }
 
 impl Branch<'_> {
-    /// Elastic strain at a stress, in the law's own measure: with q = sigma/E, true stress on the straight
-    /// engineering line is sigma = E e (1 + e) in tension and E e (1 - e) in compression.
+    /// Returns the elastic strain at a stress, in the measure of the law. True stress on the straight engineering line is sigma = E e (1 + e) in
+    /// tension and E e (1 - e) in compression.
     fn elastic_strain(&self, stress: f64) -> f64 {
         match self.measure {
             Measure::Engineering => stress / self.modulus,
@@ -84,7 +84,7 @@ impl Branch<'_> {
         }
     }
 
-    /// d(elastic strain)/d(stress), 1/Pa.
+    /// Returns d(elastic strain)/d(stress), 1/Pa.
     fn elastic_compliance(&self, stress: f64) -> f64 {
         let sign = self.sense.sign();
         let e = elastic_engineering_strain(self.sense, stress / self.modulus);
@@ -94,12 +94,12 @@ impl Branch<'_> {
         }
     }
 
-    /// Total strain in the law's own measure at its parameter `x` (plastic strain, or total for Hollomon).
+    /// Returns the total strain in the measure of the law at its parameter `x` (plastic strain, or total strain for Hollomon).
     fn total(&self, x: f64) -> f64 {
         if self.law.of_total_strain() { x } else { x + self.elastic_strain(self.law.stress(x)) }
     }
 
-    /// Engineering (strain, stress) at the law's parameter.
+    /// Returns the engineering (strain, stress) at the parameter of the law.
     fn point(&self, x: f64) -> (f64, f64) {
         match self.measure {
             Measure::Engineering => (self.total(x), self.law.stress(x)),
@@ -107,10 +107,10 @@ impl Branch<'_> {
         }
     }
 
-    /// The parameter at which the table leaves the elastic line.
+    /// Returns the parameter at which the table leaves the elastic line.
     ///
-    /// Laws with a yield stress start there. Hollomon's starts where it meets the line. Ramberg and Osgood's has
-    /// no elastic part; there it is where the distance from the line is half the tolerance (`allowance`, Pa).
+    /// Laws with a yield stress start there, and Hollomon's law starts where it meets the line. The Ramberg-Osgood law has no elastic part; it
+    /// starts where its distance from the line is half of the tolerance (`allowance`, Pa).
     fn elastic_limit(&self, allowance: f64) -> f64 {
         match self.law {
             Law::Hollomon { .. } => {
@@ -125,7 +125,7 @@ impl Branch<'_> {
         }
     }
 
-    /// d ln(engineering stress)/dx, up to a positive factor: zero at the largest engineering stress.
+    /// Returns d ln(engineering stress)/dx, up to a positive factor; zero at the largest engineering stress.
     fn rise(&self, x: f64) -> f64 {
         let stress = self.law.stress(x);
         let of_law = self.law.slope(x) / stress;
@@ -135,7 +135,7 @@ impl Branch<'_> {
         of_law * (1.0 - stress * self.elastic_compliance(stress)) - 1.0
     }
 
-    /// The parameter of the largest engineering stress; only true stresses in tension have one.
+    /// Returns the parameter of the largest engineering stress; only true stresses in tension have one.
     fn maximum(&self, from: f64) -> Option<f64> {
         const FARTHEST: f64 = 10.0;
         if self.measure == Measure::Engineering || self.sense == Sense::Compression || self.rise(FARTHEST) > 0.0 {
@@ -147,19 +147,19 @@ impl Branch<'_> {
         Some(bisect([from, FARTHEST], 0.0, |x| self.rise(x) > 0.0))
     }
 
-    /// Engineering strain at which the table ends where neither a strain is asked for nor a stress is the largest.
+    /// Returns the engineering strain at the end of the table if neither a strain is given nor the stress has a maximum.
     fn default_end(&self) -> f64 {
         let compressed = self.measure == Measure::True && self.sense == Sense::Compression;
         if compressed { -(-Tabulate::DEFAULT_TRUE_END).exp_m1() } else { Tabulate::DEFAULT_END }
     }
 
-    /// Largest stress that tolerances are relative to: in compression the law's own, since the engineering stress of a true law
-    /// grows with the section, without end.
+    /// Returns the largest stress, to which tolerances are relative: in compression that of the law itself, since the engineering stress of a true
+    /// law grows with the cross-section without limit.
     fn top(&self, x: f64) -> f64 {
         self.point(x).1.min(self.law.stress(x))
     }
 
-    /// The parameter at an engineering strain.
+    /// Returns the parameter at an engineering strain.
     fn parameter_at(&self, strain: f64) -> f64 {
         let mut high = 1.0;
         while self.point(high).0 < strain && high < 1e3 {
@@ -169,16 +169,16 @@ impl Branch<'_> {
     }
 }
 
-/// Elastic engineering strain where the true stress is q E: e (1 +- e) = q.
+/// Returns the elastic engineering strain at a true stress of q E: e (1 +- e) = q.
 pub(super) fn elastic_engineering_strain(sense: Sense, q: f64) -> f64 {
     2.0 * q / (1.0 + (1.0 + 4.0 * sense.sign() * q).max(0.0).sqrt())
 }
 
-/// Tabulates a law. The table starts with the elastic limit (its origin row is left out) and has knots exactly at
-/// the elastic limit and at the largest engineering stress.
+/// Tabulates a law. The table starts at the elastic limit (its origin is omitted) and has knots exactly at the elastic limit and at the largest
+/// engineering stress.
 ///
 /// # Errors
-/// The table would end before the elastic limit; a tolerance or a modulus out of range.
+/// The table would end before the elastic limit, or the tolerance or the modulus is out of range.
 pub fn tabulate_law(
     law: &Law,
     modulus: f64,
@@ -210,7 +210,7 @@ pub fn tabulate_law(
     breaks.extend(maximum.filter(|x| (start..end).contains(x) && *x > start));
     breaks.push(end);
     let mut table = refine(&|x| branch.point(x), &breaks, how.tolerance, top);
-    // Exactly on the elastic line, so that the first slope is the modulus.
+    // Exactly on the elastic line, so that the initial slope is the modulus.
     table.rows[0] = (limit / modulus, limit);
     if matches!(law, Law::RambergOsgood { .. }) {
         table.error = table.error.max(modulus * start);
@@ -218,8 +218,8 @@ pub fn tabulate_law(
     Ok(table)
 }
 
-/// By how much at most the table of a true law of Ramberg and Osgood is off the law, Pa, since its elastic part is straight in the engineering
-/// measure: the elastic strain of that law is sigma/E in its own measure. The other laws have no elastic strain of their own.
+/// Returns the largest stress difference between the table of a true Ramberg-Osgood law and the law, Pa, that is due to the straight elastic part
+/// in the engineering measure: the elastic strain of this law is sigma/E in its own measure. The other laws have no elastic strain of their own.
 pub(super) fn elastic_error(law: &Law, modulus: f64, measure: Measure, sense: Sense, rows: &[(f64, f64)]) -> f64 {
     if measure == Measure::Engineering || !matches!(law, Law::RambergOsgood { .. }) {
         return 0.0;
@@ -231,17 +231,17 @@ pub(super) fn elastic_error(law: &Law, modulus: f64, measure: Measure, sense: Se
         before = (strain, stress);
         let stretch = 1.0 + sense.sign() * strain;
         let elastic = stress * stretch / modulus - branch.elastic_strain(stress * stretch);
-        // At one true stress, a true strain moves the engineering strain and the engineering stress.
+        // At constant true stress, a change of true strain changes the engineering strain and the engineering stress.
         (elastic * (slope * stretch + sense.sign() * stress)).abs()
     };
     rows.iter().map(off).fold(0.0, f64::max)
 }
 
-/// Engineering table from rows of true strain (> 0) and stress, with knots added where straight true segments
-/// bend. Rows on the elastic line (slope `modulus`, or the first row's where none is known) stay on it. For `tolerance`, see [`Tabulate`].
+/// Converts rows of true strain (> 0) and stress to an engineering table, with knots added where straight true segments are curved. Rows on the
+/// elastic line (slope `modulus`, or that of the first row if `None`) stay on it. For `tolerance`, see [`Tabulate`].
 ///
 /// # Errors
-/// A tolerance or a modulus out of range; rows that are not finite, or whose strains do not increase from above 0, or are too large.
+/// The tolerance or the modulus is out of range, rows are not finite, or their strains are too large or do not increase from above 0.
 pub fn tabulate_true_rows(
     rows: &[(f64, f64)],
     modulus: Option<f64>,
@@ -272,10 +272,10 @@ pub fn tabulate_true_rows(
     Ok(table)
 }
 
-/// Largest true strain of a table, ln 1e12: of larger ones the engineering strain has no possible magnitude.
+/// Largest true strain of a table, ln 1e12: the engineering strain of a larger one exceeds the allowed magnitude.
 const MOST_TRUE_STRAIN: f64 = 27.6;
 
-/// True strains that can be converted.
+/// Checks that true strains increase and can be converted.
 pub(super) fn check_true_strains(rows: &[(f64, f64)]) -> Result<(), CurveError> {
     let mut above = 0.0;
     for (row, &(strain, _)) in rows.iter().enumerate() {
@@ -289,8 +289,8 @@ pub(super) fn check_true_strains(rows: &[(f64, f64)]) -> Result<(), CurveError> 
     Ok(())
 }
 
-/// One straight segment of a true table, with a knot where its engineering stress is largest: in tension, where
-/// the true slope equals the true stress.
+/// Converts one straight segment of a true table, with a knot at its largest engineering stress: in tension, where the true slope equals the true
+/// stress.
 fn straight_true_piece(from: (f64, f64), to: (f64, f64), sense: Sense, tolerance: f64, top: f64) -> Tabulated {
     let slope = (to.1 - from.1) / (to.0 - from.0);
     let point = |e: f64| engineering_from_true(sense, e, from.1 + slope * (e - from.0));
@@ -301,7 +301,7 @@ fn straight_true_piece(from: (f64, f64), to: (f64, f64), sense: Sense, tolerance
     refine(&point, &breaks, tolerance, top)
 }
 
-/// Straight pieces between the given parameters and as many more as the tolerances ask for.
+/// Returns straight segments between the given parameters, divided until the tolerances are met.
 pub(super) fn refine(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64], tolerance: f64, top: f64) -> Tabulated {
     let limits = Limits {
         stress: tolerance * top,
@@ -315,15 +315,15 @@ pub(super) fn refine(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64], toleranc
     table
 }
 
-/// What one straight piece may be off.
+/// Error limits of one straight segment.
 #[derive(Debug, Clone, Copy)]
 struct Limits {
-    /// Pa.
+    /// Limit of the stress difference, Pa.
     stress: f64,
-    /// Of the velocity jump of the piece; less than the tolerance, since halving shows only part of the error.
+    /// Limit of the relative difference of its velocity jump; less than the tolerance, since bisection shows only part of the error.
     relative: f64,
-    /// Or sqrt(Pa): sqrt(d stress d strain), a velocity times sqrt(density). For the few pieces at the steep start
-    /// and near the maximum, where the slope goes to zero and no halving makes the relative error small.
+    /// Absolute limit of that difference, sqrt(Pa): sqrt(d stress d strain) is a velocity times sqrt(density). It applies to the few segments at
+    /// the steep start and near the maximum, where the slope approaches zero and bisection does not reduce the relative error.
     velocity: f64,
 }
 
@@ -342,7 +342,7 @@ fn velocity_scale(point: &dyn Fn(f64) -> (f64, f64), breaks: &[f64]) -> f64 {
     total
 }
 
-/// Appends the pieces from `range.0` (already in the table) to `range.1`.
+/// Appends the segments from `range.0` (already in the table) to `range.1`.
 fn split(point: &dyn Fn(f64) -> (f64, f64), range: (f64, f64), limits: Limits, depth: u32, table: &mut Tabulated) {
     const SAMPLES: u32 = 8;
     let (from, to) = (point(range.0), point(range.1));

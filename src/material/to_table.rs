@@ -1,13 +1,13 @@
-//! Materials and curves made in a program, as the tables of a material file.
+//! Conversion of materials and curves made in a program to the tables of a material file.
 
 use toml::{Table, Value};
 
 use super::{Beyond, Curve, HeatConstants, Loading, Material, Provenance, Scatter, Sense, TestCurve};
 
 impl Material {
-    /// The material as the table of a material file, which is what the key `material` of a scene takes: numbers in SI, the curve as a table of
-    /// rows. Read again it has the same numbers, but for rows of the elastic line, which may move onto it by rounding, as those of any file
-    /// do. Of a material made by a law the table states the curve, not the law; of a heated one, the material before that.
+    /// Returns the material as the table of a material file, which the key `material` of a scene accepts: numbers in SI, the curve as a table of
+    /// rows. When it is read again, it has the same numbers, except that rows of the elastic line may be moved onto it by rounding, as those of any
+    /// file. For a material made from a law, the table states the curve, not the law; for a heated material, it states the material before heating.
     ///
     /// ```
     /// use barwave::material::{Beyond, Curve, Material};
@@ -48,14 +48,14 @@ impl Material {
         ])
     }
 
-    /// The curves that are not yet heated, the main one first.
+    /// Returns the curves before heating, the main one first.
     fn curves_of_file(&self) -> (&Curve, Option<&Curve>) {
         let current = (&self.tension, self.compression.as_ref());
         let cold = self.heating.as_ref().and_then(|heating| heating.cold.split_first());
         cold.map_or(current, |(main, other)| (main, other.first()))
     }
 
-    /// The laws of the strain rate by their names, in the loading of the curve.
+    /// Returns the rate laws by their names, converted to the loading of the curve.
     fn rates_of_file(&self) -> Table {
         let laws = self.constants.rate.iter();
         laws.filter_map(|&law| self.shear_from_tension.map_or(law, |ratio| law.in_shear(ratio)).to_entry()).collect()
@@ -63,14 +63,14 @@ impl Material {
 }
 
 impl Curve {
-    /// The curve as the table that the key `curve` of a material takes, with what happens past its last row.
+    /// Returns the curve as the table that the key `curve` of a material accepts, including the behaviour after its last row.
     pub fn to_table(&self) -> Table {
         let beyond = match self.beyond() {
             Beyond::Rupture => "rupture",
             Beyond::Extend => "extend",
             Beyond::Error => "error",
         };
-        // The origin is understood.
+        // The origin is omitted.
         let rows = self.strain().iter().zip(self.stress()).skip(1);
         table([("table", Some(list_of_pairs(rows))), ("beyond", Some(beyond.into()))])
     }
@@ -108,7 +108,7 @@ impl TestCurve {
 }
 
 impl Provenance {
-    /// Where a table was read from is not a key of it.
+    /// The origin of the table is not one of its keys.
     fn to_table(&self) -> Table {
         table([
             ("citation", text(&self.citation)),
@@ -119,20 +119,20 @@ impl Provenance {
 }
 
 impl From<&Material> for Value {
-    /// [`Material::to_table`].
+    /// Converts by [`Material::to_table`].
     fn from(material: &Material) -> Self {
         Self::Table(material.to_table())
     }
 }
 
 impl From<&Curve> for Value {
-    /// [`Curve::to_table`].
+    /// Converts by [`Curve::to_table`].
     fn from(curve: &Curve) -> Self {
         Self::Table(curve.to_table())
     }
 }
 
-/// The entries that have a value.
+/// Returns a table of the entries that have a value.
 fn table<const N: usize>(entries: [(&str, Option<Value>); N]) -> Table {
     entries.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))).collect()
 }

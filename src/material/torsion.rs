@@ -1,15 +1,13 @@
 //! Conversion of the shear curve of a material to the torque-twist curve of a round section.
 //!
-//! Plane sections turn as they are, so the shear strain grows in proportion to the radius: at s R it is s g, where g is that
-//! at the outer radius R. With the torque T and J = pi/2 (R^4 - a^4) for the inner radius a = q R, the *nominal* stress
-//! T R/J, which is the stress at the surface of an elastic section, is
-//! `tau_n(g) = integral over s from q to 1 of tau(s g) s^2, over the integral of s^3`.
-//! In terms of g, that stress and the velocity of the surface a bar in torsion is a bar in tension with the area J/R^2: torque,
-//! energy and angular momentum follow. The integral is exact for a table that is straight between its rows; the result is
-//! no such table, and is made into one to a tolerance.
+//! Cross-sections stay plane, so that the shear strain is proportional to the radius: at s R it is s g, where g is that at the outer radius R. With
+//! the torque T and J = pi/2 (R^4 - a^4) for the inner radius a = q R, the *nominal* stress T R/J, which is the stress at the surface of an elastic
+//! section, is `tau_n(g) = integral over s from q to 1 of tau(s g) s^2, over the integral of s^3`. In terms of g, this stress and the surface
+//! velocity, a bar in torsion is a bar in tension with the area J/R^2: torque, energy and angular momentum follow. The integral is exact for a
+//! table that is straight between its rows; the result is not piecewise straight, and is tabulated to a tolerance.
 //!
-//! The integral is that of first loading. A rod that has flowed keeps a pattern of stress over the radius when the torque is
-//! taken off, and yields again, gradually, earlier than the nominal curve says, see the README.
+//! The integral is that of first loading. After plastic flow and removal of the torque, a rod retains residual stresses that vary over the radius,
+//! and yields again gradually, earlier than by the nominal curve; see the README.
 
 use std::sync::Arc;
 
@@ -18,30 +16,31 @@ use super::{Beyond, Curve, CurveError, Loading, Material, Sense, Tabulated, Ulti
 use crate::error::InputError;
 use crate::root::bisect;
 
-/// Largest distance in stress of a nominal curve from the integral, over the largest stress of its data; of its extension, over that of the extension.
+/// Largest stress difference between a nominal curve and the integral, over the largest stress of its data; for its extension, over that of the
+/// extension.
 pub const TORSION_TOLERANCE: f64 = 1e-4;
 
-/// Largest distance in stress of a shear curve from the tension curve it is converted from, over its largest stress.
+/// Largest stress difference between a shear curve and the tension curve from which it is converted, over its largest stress.
 pub const SHEAR_TOLERANCE: f64 = 3e-5;
 
 pub(super) const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
-/// Upper limit of the integration of an unbounded curve, relative to its last strain: the core then contributes less than
-/// 1/8^3 of the error of the nominal slope.
+/// Upper limit of the integration of an unbounded curve, relative to its last strain: the core then contributes less than 1/8^3 of the error of the
+/// nominal slope.
 const EXTENDED: f64 = 8.0;
 
-/// Relative difference of the true stresses in tension and compression up to which both are one true curve.
+/// Relative difference of the true stresses in tension and compression up to which both count as one true curve.
 const SAME_CURVE: f64 = 0.01;
 
-/// A round section: inner over outer radius, 0 <= q < 1.
+/// A round section, solid or hollow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TubeSection {
-    /// Inner over outer radius.
+    /// Ratio of the inner to the outer radius, 0 <= q < 1.
     pub q: f64,
 }
 
 impl TubeSection {
-    /// Nominal stress at the surface strain `g`, Pa: exact for the curve.
+    /// Returns the nominal stress at the surface strain `g`, Pa; exact for the curve.
     pub fn nominal_stress(self, curve: &Curve, g: f64) -> f64 {
         let q = self.q;
         if g <= 0.0 {
@@ -50,21 +49,21 @@ impl TubeSection {
         let (mut moment, mut from) = (0.0, q);
         let knots = curve.strain().iter().map(|knot| knot / g).filter(|&s| s > q && s < 1.0);
         for to in knots.chain([1.0]) {
-            // Between knots tau s^2 is a cubic, for which two points are exact.
+            // Between knots tau s^2 is a cubic, for which the two-point Gauss rule is exact.
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
             let at = |s: f64| curve.stress_at(s * g) * s * s;
             let aside = half / 3.0_f64.sqrt();
             moment += half * (at(middle - aside) + at(middle + aside));
             from = to;
         }
-        // The integral of s^3, without the cancellation of thin walls.
+        // Division by the integral of s^3, without cancellation for thin walls.
         4.0 * moment / ((1.0 - q) * (1.0 + q) * (1.0 + q * q))
     }
 
-    /// The curve of the section, for first loading, tabulated to [`TORSION_TOLERANCE`]; and its largest error, Pa.
+    /// Returns the curve of the section for first loading, tabulated to [`TORSION_TOLERANCE`], and its largest error, Pa.
     ///
     /// # Errors
-    /// The table of the integral is not a curve, e.g. where its strains leave the range of floating-point numbers.
+    /// The table of the integral is not a valid curve, e.g. if its strains exceed the range of floating-point numbers.
     pub fn nominal_curve(self, curve: &Curve, modulus: f64) -> Result<(Curve, f64), CurveError> {
         let (limit, yields_at) = curve.elastic_limit(modulus);
         let straight = curve.strain().len() == 2 && curve.beyond() == Beyond::Extend;
@@ -75,7 +74,7 @@ impl TubeSection {
         let start = if limit > 0.0 { limit } else { curve.strain()[1] * 1e-3 };
         let mut table = self.tabulated(curve, &breaks(curve, start, last));
         if curve.beyond() == Beyond::Extend {
-            // By itself: stresses far beyond the data do not make the table of the data coarse.
+            // Tabulated separately, so that stresses far beyond the data do not make the table of the data coarse.
             let extension = self.tabulated(curve, &[last, EXTENDED * last]);
             table.rows.extend_from_slice(&extension.rows[1..]);
             table.error = table.error.max(extension.error);
@@ -95,10 +94,10 @@ impl TubeSection {
 }
 
 impl Material {
-    /// This material, known in shear, as a rod (q = 0) or a tube of it behaves in torsion, in terms of the surface.
+    /// Returns this material, whose curve is in shear, as a rod (q = 0) or a tube made of it behaves in torsion, in terms of the surface.
     ///
     /// # Errors
-    /// As [`TubeSection::nominal_curve`].
+    /// As for [`TubeSection::nominal_curve`].
     pub fn in_torsion(&self, hollow: TubeSection) -> Result<Arc<Self>, CurveError> {
         let (curve, error) = hollow.nominal_curve(&self.tension, self.modulus)?;
         let ratio = (hollow.q * 1e6).round() / 1e6;
@@ -111,14 +110,15 @@ impl Material {
         }))
     }
 
-    /// This material, known in tension, in shear by von Mises' rule, from its true curve: tau = sigma/sqrt(3), plastic shear strain sqrt(3) times plastic
-    /// strain, G = E/(2 (1 + nu)). A twisted section does not shrink, so nothing necks: past the largest engineering stress in tension, the curve goes on as
-    /// that in compression does, if both are one true curve; else its data end there. Straight segments of an engineering table are curved in shear, and get
-    /// knots so that the table is within 3e-5 of the largest shear stress. Tables made of a law or of true stresses have rows enough. The constants of
-    /// rate laws are kept as they are in tension; [`super::Rate::in_shear`] converts them.
+    /// Converts this material, whose curve is in tension, to shear by von Mises' rule, from its true curve: tau = sigma/sqrt(3), plastic shear
+    /// strain sqrt(3) times plastic strain, G = E/(2 (1 + nu)). The area of a twisted section does not change, so that there is no necking: after
+    /// the largest engineering stress in tension, the curve continues like that in compression if both are one true curve; otherwise its data end
+    /// there. Straight segments of an engineering table are curved in shear, and knots are added so that the table is within 3e-5 of the largest
+    /// shear stress. Tables made from a law or from true stresses have enough rows. The constants of rate laws are kept as they are in tension;
+    /// [`super::Rate::in_shear`] converts them.
     ///
     /// # Errors
-    /// Poisson's ratio is missing; a curve that is none in shear.
+    /// Poisson's ratio is missing, or the converted table is not a valid curve.
     pub fn in_shear(&self) -> Result<Self, InputError> {
         let nu = self.poisson.ok_or_else(|| {
             let error = InputError::new("its Poisson's ratio (`poisson`) is missing, which the shear modulus needs");
@@ -143,7 +143,7 @@ impl Material {
             loading: Loading::Shear,
             tension: curve,
             compression: None,
-            // A difference in engineering stress is larger by 1 + strain in true stress.
+            // A difference in engineering stress is larger by the factor 1 + strain in true stress.
             table_error: self.table_error * (1.0 + end) / ROOT_3 + table.error,
             branch_errors: [0.0; 2],
             shear_from_tension: Some(modulus / self.modulus),
@@ -151,7 +151,7 @@ impl Material {
         })
     }
 
-    /// Engineering strain in tension up to which the curve is converted, and what is beyond the last row.
+    /// Returns the engineering strain in tension up to which the curve is converted, and the behaviour after the last row.
     fn end_in_shear(&self) -> (f64, Beyond) {
         let curve = &self.tension;
         let neck = curve.ultimate().filter(|ultimate| ultimate.reason == UltimateReason::MaximumStress);
@@ -161,7 +161,7 @@ impl Material {
     }
 }
 
-/// One branch of the curve of a material, in shear.
+/// One branch of the curve of a material, converted to shear.
 #[derive(Clone, Copy)]
 struct ShearBranch<'a> {
     material: &'a Material,
@@ -171,7 +171,7 @@ struct ShearBranch<'a> {
 }
 
 impl ShearBranch<'_> {
-    /// True plastic strain and true stress (Pa) at an engineering strain.
+    /// Returns the true plastic strain and the true stress (Pa) at an engineering strain.
     fn true_point(self, strain: f64) -> (f64, f64) {
         let stress = self.material.branch(self.sense).stress_at(strain);
         let (strain, stress) = true_from_engineering(self.sense, strain, stress);
@@ -180,18 +180,18 @@ impl ShearBranch<'_> {
         ((strain - elastic).max(0.0), stress)
     }
 
-    /// Shear strain and shear stress (Pa) of true ones.
+    /// Converts true plastic strain and true stress (Pa) to shear strain and shear stress (Pa).
     fn in_shear(self, (plastic, stress): (f64, f64)) -> (f64, f64) {
         let shear = stress / ROOT_3;
         (ROOT_3 * plastic + shear / self.modulus, shear)
     }
 
-    /// The shear curve between engineering strains at which it may bend.
+    /// Returns the shear curve between engineering strains at which its slope may change.
     fn table(self, breaks: &[f64]) -> Tabulated {
         self.refined(breaks, |_| 1.0)
     }
 
-    /// As [`Self::table`], with stresses times a factor.
+    /// Returns [`Self::table`] with stresses multiplied by a factor.
     fn refined(self, breaks: &[f64], factor: impl Fn(f64) -> f64) -> Tabulated {
         let point = |strain: f64| {
             let (plastic, stress) = self.true_point(strain);
@@ -202,8 +202,8 @@ impl ShearBranch<'_> {
         refine(&point, breaks, if made { f64::INFINITY } else { SHEAR_TOLERANCE }, top)
     }
 
-    /// The compression curve from the true strain on at which that in tension ends, if both are one true curve there. What little they differ is taken up
-    /// until the next row.
+    /// Returns the compression curve from the true strain at which the tension curve ends, if both are one true curve there; their small difference
+    /// is removed gradually up to the next row.
     fn past(self, end: f64) -> Option<Tabulated> {
         let compression = Self { sense: Sense::Compression, ..self };
         let curve = self.material.compression.as_ref()?;
@@ -219,7 +219,7 @@ impl ShearBranch<'_> {
     }
 }
 
-/// Strains from one to another, and those of the rows between.
+/// Returns the two given strains, and those of the rows between them.
 fn breaks(curve: &Curve, from: f64, to: f64) -> Vec<f64> {
     let rows = curve.strain().iter().copied().filter(|&strain| from < strain && strain < to);
     std::iter::once(from).chain(rows).chain([to]).collect()

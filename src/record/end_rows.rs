@@ -1,8 +1,9 @@
-//! The history of an end of a bar on a grid.
+//! History of an end of a bar on a grid.
 //!
-//! A grid knows the push on an end as a mean over each step. Where it varies smoothly its value between two steps is the mean of both.
-//! Where it jumps between them, because a front arrives or a body strikes, parabolas with the means over three steps before and after give
-//! the values on both sides: two rows at one time, of third order. The exact state of a sudden load comes first: see [`SuddenLoad`].
+//! A grid solver knows the state of an end as its mean over each step. Where the state varies smoothly, its value between
+//! two steps is the average of the two means. Where it jumps between two steps, because a front arrives or a body strikes,
+//! parabolas with the means over three steps before and after the jump give the values on both sides: two rows at one time,
+//! of third order. During a sudden load the exact state replaces these values, see [`SuddenLoad`].
 
 use serde::{Deserialize, Serialize};
 
@@ -10,27 +11,27 @@ use super::Trace;
 use crate::bar::SuddenLoad;
 use crate::solver::{EndSample, EndState};
 
-/// A change between two steps is a jump where those before and after it are smaller by this factor. Over smooth data it is their mean.
+/// Ratio of a change between two steps to the adjacent changes above which it is a jump. Over smooth data the ratio is about 1.
 const STEEPER: f64 = 3.0;
 
-/// Changes below this part of the largest value are none: rounding.
+/// Change, relative to the largest value, up to which a jump is attributed to rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// A change bends from one step to the next where it varies by no more than this part of itself; else there are ripples in it.
+/// Largest relative variation of the change from one step to the next for which a curvature is used; above it the data oscillate.
 const BENDS: f64 = 0.5;
 
-/// Samples before and after that of a row that it takes to write it.
+/// Number of samples before and after a sample that are needed to write its row.
 const BEHIND: usize = 2;
 const AHEAD: usize = 3;
 
-/// Rows under way.
+/// History of an end under construction.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct EndRows {
-    /// From some before the next row on, with their times (s).
+    /// Samples and their times (s), from [`BEHIND`] before the next row to be written onwards.
     samples: Vec<(f64, EndSample)>,
-    /// Samples of them whose rows are written: fewer than [`BEHIND`] at the start of the run.
+    /// Number of `samples` whose rows are written; fewer than [`BEHIND`] at the start of the run.
     written: usize,
-    /// How the end is suddenly loaded.
+    /// Sudden loads of the end, in order of time.
     sudden: Vec<SuddenLoad>,
     /// Largest magnitudes of the means over steps so far.
     largest: EndState,
@@ -38,29 +39,29 @@ pub struct EndRows {
 }
 
 impl EndRows {
-    /// Without rows, which go into a history with these columns, of an end that is loaded like this.
+    /// Creates an empty history whose rows are collected in the columns `rows`, of an end with the given sudden loads.
     pub fn new(rows: Trace, sudden: Vec<SuddenLoad>) -> Self {
         Self { sudden, rows, ..Self::default() }
     }
 
-    /// Number of rows that can be taken.
+    /// Returns the number of complete rows.
     pub fn ready(&self) -> usize {
         self.rows.time.len()
     }
 
-    /// Adds samples, each one step after the last.
+    /// Adds samples, each one step after the previous one.
     pub fn add(&mut self, samples: impl Iterator<Item = (f64, EndSample)>) {
         let sudden = &self.sudden;
         self.samples.extend(samples.map(|(time, sample)| (time, shown(sudden, time, sample))));
         self.write(AHEAD);
     }
 
-    /// Writes what is left, at the end of a run.
+    /// Writes the remaining rows at the end of a run.
     pub fn close(&mut self) {
         self.write(0);
     }
 
-    /// Drops samples and rows from a time on, s.
+    /// Discards samples and rows from a time (s) onwards.
     pub fn drop_from(&mut self, time: f64) {
         self.samples.retain(|sample| sample.0 < time);
         self.written = self.written.min(self.samples.len());
@@ -68,7 +69,7 @@ impl EndRows {
         self.rows.columns_mut().into_iter().for_each(|column| column.truncate(kept));
     }
 
-    /// The rows since the last call; those to come go into a history with these columns.
+    /// Returns the rows since the last call; later rows are collected in `columns`.
     pub fn take(&mut self, columns: Trace) -> Trace {
         std::mem::replace(&mut self.rows, columns)
     }
@@ -95,7 +96,7 @@ impl EndRows {
             sides([of(&latest), before(1), before(2)], [of(&next), after(1), after(2)], ROUNDING * of(&self.largest))
         };
         let [stress, velocity] = [column(|state| state.stress), column(|state| state.velocity)];
-        // Where a load that jumps makes the bar flow at once, the state just after t = 0 is known no better than that after the first step.
+        // If a sudden load makes the bar yield immediately, the state just after t = 0 is approximated by that after the first step.
         let after = self.samples.get(k + 1).map_or(EndState::UNKNOWN, |sample| sample.1.now);
         let smooth = [now, latest.mean(next), latest, next, after].into_iter().find(|state| !state.stress.is_nan());
         let smooth = smooth.unwrap_or_default();
@@ -111,7 +112,7 @@ impl EndRows {
         }
     }
 
-    /// Mean over the step before sample `k`.
+    /// Returns the mean over the step before sample `k`; unknown beyond the last sample.
     fn mean(&self, k: usize) -> EndState {
         self.samples.get(k).map_or(EndState::UNKNOWN, |sample| sample.1.latest)
     }
@@ -123,17 +124,17 @@ impl EndRows {
     }
 }
 
-/// A sample as the history shows it: during a sudden load with the exact state.
+/// Returns a sample as the history shows it: with the exact state during a sudden load.
 fn shown(sudden: &[SuddenLoad], time: f64, sample: EndSample) -> EndSample {
     let EndState { stress, velocity } = if sample.now.stress.is_nan() { sample.latest } else { sample.now };
-    // The latest one that has started: each takes the place of the one before.
+    // The latest load that has started replaces those before it.
     match sudden.iter().rev().find_map(|load| load.end(time, [stress, velocity])) {
         Some([stress, velocity]) => EndSample { now: EndState { stress, velocity }, latest: EndState::UNKNOWN },
         None => sample,
     }
 }
 
-/// Values on both sides of a jump, from the means over the steps before and after it, the nearest first; none where nothing jumps.
+/// Returns the values on both sides of a jump, from the means over the steps before and after it, the nearest first; `None` if there is no jump.
 fn sides(before: [f64; 3], after: [f64; 3], rounding: f64) -> Option<[f64; 2]> {
     let jump = (after[0] - before[0]).abs();
     let changes = [before, after].map(|means| means[1] - means[0]);
@@ -141,7 +142,7 @@ fn sides(before: [f64; 3], after: [f64; 3], rounding: f64) -> Option<[f64; 2]> {
     (jump > STEEPER * beside && jump > rounding).then(|| [edge(before), edge(after)])
 }
 
-/// Value at the beginning of the first of three steps, from the means over them.
+/// Returns the value at the beginning of the first of three steps, from the means over them.
 fn edge(means: [f64; 3]) -> f64 {
     let [first, second] = [means[1] - means[0], means[2] - means[1]];
     if first.is_nan() {
@@ -157,7 +158,7 @@ mod tests {
 
     const UNTIL: f64 = 4.0;
 
-    /// Rows of a stress whose integral is known, from its means over steps.
+    /// Returns the rows of a stress with a known integral, computed from its means over steps.
     fn rows(integral: impl Fn(f64) -> f64, steps: usize, batch: usize) -> Trace {
         let (dt, start) = (UNTIL / steps as f64, EndState { stress: 0.0, velocity: 1.0 });
         let sample = |k: usize| {
@@ -173,7 +174,7 @@ mod tests {
         rows.take(Trace::default())
     }
 
-    /// exp(-t), with a jump by 2 at t = 2 into exp(-(t - 2)) more.
+    /// Integral of exp(-t), to which 2 exp(-(t - 2)) is added from t = 2 on.
     fn struck(t: f64) -> f64 {
         let pulse = |t: f64, height: f64| if t > 0.0 { height * -(-t).exp_m1() } else { 0.0 };
         pulse(t, 1.0) + pulse(t - 2.0, 2.0)

@@ -1,4 +1,4 @@
-//! The errors of a run: one number for each recorded quantity.
+//! Errors of a run: one number for each recorded quantity.
 
 use std::fmt;
 use std::ops::Index;
@@ -6,31 +6,32 @@ use std::ops::Index;
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// What an error is of. Each is the integral of |difference from the reference| over that of |reference|. Where the reference is nearly
-/// zero nearly everywhere, its integral counts as if a hundredth of the bar or of the time had its largest value.
+/// Quantity of which an error is measured. The error is the integral of |difference from the reference| over that of
+/// |reference|. If the reference is nearly zero nearly everywhere, its integral is at least that of its largest value
+/// over a hundredth of the bar or of the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Measure {
     /// Stress over the bar and over time.
     Field,
-    /// Stress over the bar at the end time, relative to that or to a tenth of the mean over time, whichever is larger.
+    /// Stress over the bar at the end time, relative to the reference at the end time or to a tenth of its mean over time, whichever is larger.
     FieldAtEnd,
     /// Stress at both ends over time.
     Ends,
-    /// Stress at a gauge over time: the largest of all gauges.
+    /// Stress at a gauge over time; the largest error of all gauges.
     Gauges,
     /// Plastic strain over the bar at the end time.
     ResidualStrain,
-    /// Largest magnitude of the force at an end or a joint, relative to its own: the largest error of all of them that are not negligible beside
-    /// the largest force in the bar.
+    /// Largest magnitude of the force at an end or a joint, relative to that force; the largest error of all ends and
+    /// joints whose force is not negligible compared with the largest force in the bar.
     PeakForce,
 }
 
 impl Measure {
-    /// All of them.
+    /// Every measure.
     pub const ALL: [Self; 6] =
         [Self::Field, Self::FieldAtEnd, Self::Ends, Self::Gauges, Self::ResidualStrain, Self::PeakForce];
 
-    /// Its key in summaries, result files and tables.
+    /// Returns the key in summaries, result files and tables.
     pub fn key(self) -> &'static str {
         match self {
             Self::Field => "field",
@@ -42,7 +43,7 @@ impl Measure {
         }
     }
 
-    /// In words.
+    /// Returns a description.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Field => "relative L1 of stress over the bar and time",
@@ -54,21 +55,21 @@ impl Measure {
         }
     }
 
-    /// The measure of a key; "-" and "_" are alike.
+    /// Returns the measure of a key, in which "-" and "_" are equivalent; `None` if the key is unknown.
     pub fn of_key(key: &str) -> Option<Self> {
         let key = key.replace('-', "_");
         Self::ALL.into_iter().find(|measure| measure.key() == key)
     }
 }
 
-/// The largest error of a run, and the largest of all others.
+/// Largest error of a run, and the largest of its other errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Worst {
-    /// What it is of.
+    /// Measure of the largest error.
     pub measure: Measure,
-    /// How large it is.
+    /// Largest error.
     pub error: f64,
-    /// The largest of all others.
+    /// Largest of the other errors.
     pub others: f64,
 }
 
@@ -79,30 +80,30 @@ impl fmt::Display for Worst {
     }
 }
 
-/// An error for every measure; none where there is nothing to measure, as without gauges.
+/// Error of every measure; `None` if there is nothing to measure, such as gauges.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ErrorTable([Option<f64>; 6]);
 
 impl ErrorTable {
-    /// Every entry by a function of its measure.
+    /// Creates a table whose entries are given by a function of the measure.
     pub fn of(value: impl FnMut(Measure) -> Option<f64>) -> Self {
         Self(Measure::ALL.map(value))
     }
 
-    /// The largest entry; none in an empty table.
+    /// Returns the largest entry; `None` if the table is empty.
     pub fn largest(&self) -> Option<(Measure, f64)> {
         let known = Measure::ALL.into_iter().filter_map(|measure| Some((measure, self[measure]?)));
         known.reduce(|a, b| if b.1 > a.1 || b.1.is_nan() { b } else { a })
     }
 
-    /// The largest entry and the largest of all others; none where there are not as many.
+    /// Returns the largest entry and the largest of the others; `None` if there are fewer than two entries.
     pub fn worst(&self) -> Option<Worst> {
         let (measure, error) = self.largest()?;
         let others = Self::of(|other| self[other].filter(|_| other != measure));
         Some(Worst { measure, error, others: others.largest()?.1 })
     }
 
-    /// The entries that there are.
+    /// Returns the entries that exist.
     pub fn entries(&self) -> impl Iterator<Item = (Measure, f64)> + '_ {
         Measure::ALL.into_iter().filter_map(|measure| Some((measure, self[measure]?)))
     }

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::Sampling;
 
-/// Makes the frames of a bar on a grid, in order of time.
+/// Generator of the frames of a bar on a grid, in order of time.
 #[derive(Debug)]
 pub struct Frames {
     times: Vec<f64>,
@@ -13,50 +13,51 @@ pub struct Frames {
     fields: Vec<Field>,
     sampling: Sampling,
     twisted: Option<Twisted>,
-    /// The bar at the step before the current one, kept while a frame lies between the two.
+    /// State at the step before the current one, kept while a frame lies between the two steps.
     before: Option<Frame>,
 }
 
-/// What makes torques and angles of the surface quantities of a bar in torsion.
+/// Factors that turn the surface quantities of a bar in torsion into torques, twists and angular velocities.
 #[derive(Debug, Clone)]
 pub struct Twisted {
-    /// R, m.
+    /// Radius R of the surface, m.
     pub radius: f64,
-    /// J/R at each sample, or of each segment, m^3.
+    /// Ratio of torque to surface stress, J/R, at each sample or of each segment, m^3.
     pub torque_per_stress: Vec<f64>,
 }
 
-/// A frame closer to a step than this part of the time step is that step: times written as decimal numbers come no
-/// nearer to a multiple of dt.
+/// Distance, relative to the time step, up to which a frame coincides with a step: times written as decimal numbers
+/// come no closer to a multiple of dt.
 const SAME_TIME: f64 = 1e-6;
 
 impl Frames {
-    /// Frames at `times` (increasing, s) of `fields` at the places of `sampling`.
+    /// Creates the generator of frames at `times` (s, increasing) of `fields` at the places of `sampling`.
     pub fn new(times: Vec<f64>, fields: Vec<Field>, sampling: Sampling) -> Self {
         Self { times, next: 0, fields, sampling, twisted: None, before: None }
     }
 
-    /// The same of a bar in torsion.
+    /// Sets the factors of a bar in torsion; `None` for an axial bar.
     #[must_use]
     pub fn twisted(self, twisted: Option<Twisted>) -> Self {
         Self { twisted, ..self }
     }
 
-    /// The sample places, m.
+    /// Returns the sample places, m.
     pub fn x(&self) -> &[f64] {
         self.sampling.x()
     }
 
-    /// A frame falls due at the bar's current time.
+    /// Returns true if a frame is due at the bar's current time.
     pub fn is_due(&self, bar: &impl Stepped) -> bool {
         self.times.get(self.next).is_some_and(|&t| t <= bar.time() + SAME_TIME * bar.grid().dt)
     }
 
-    /// Passes on the frames that fall due up to the bar's current time, one at a time, and no more than `most`: there may be more than
-    /// memory holds. Call it after every step, and once at the start, until it returns that no more are due.
+    /// Passes the frames that are due up to the bar's current time to `keep`, one at a time and at most `most` of them,
+    /// since all of them may exceed the memory. Returns true if more frames are due. It must be called after every
+    /// step, and once at the start, until it returns false.
     ///
     /// # Errors
-    /// Whatever `keep` says.
+    /// The errors of `keep`.
     pub fn take(&mut self, bar: &impl Stepped, most: usize, mut keep: impl FnMut(Frame) -> Result<()>) -> Result<bool> {
         let (now, dt) = (bar.time(), bar.grid().dt);
         let mut current = None;
@@ -78,8 +79,8 @@ impl Frames {
         Ok(false)
     }
 
-    /// The next step, after `step`, after which [`Self::take`] must be called, in steps of length `dt`, s: for a frame on a
-    /// step that one, for a frame between two both.
+    /// Returns the next step after `step` after which [`Self::take`] must be called; `dt` is the time step, s. For a
+    /// frame on a step this is the step itself; for a frame between two steps it is each of the two in turn.
     pub fn next_step(&self, step: usize, dt: f64) -> usize {
         let due = self.times.get(self.next).map_or(usize::MAX, |time| {
             let steps = time / dt;
@@ -105,7 +106,7 @@ impl Snapshot for Frames {
     }
 }
 
-/// The bar at its current time: `fields` at `places`, of which there are `count`; `twisted` in torsion.
+/// Reads a frame at the bar's current time: `fields` at `places`, of which there are `count`; `twisted` are the factors of a bar in torsion.
 pub fn read_frame<V: View>(
     bar: &V,
     fields: &[Field],
@@ -134,7 +135,7 @@ impl Twisted {
     }
 }
 
-/// `share` of the earlier frame and the rest of the later one.
+/// Returns the weighted mean of two frames, with weight `share` of the earlier one and 1 - `share` of the later one.
 fn blend(later: &Frame, earlier: &Frame, share: f64, time: f64) -> Frame {
     let mix = |(l, e): (&f64, &f64)| l + share * (e - l);
     let rows = later.rows.iter().zip(&earlier.rows).map(|(l, e)| l.iter().zip(e).map(mix).collect()).collect();

@@ -1,5 +1,5 @@
-//! Tracking of fronts through the simulated field: position and speed of each edge of the theoretical fan, and arrival times at
-//! gauges. The theoretical speed is not used.
+//! Tracking of fronts in the simulated field: position and speed of each edge of the theoretical fan, and arrival times
+//! at gauges. The theoretical speed is not used.
 
 use super::{FrontRow, Stepped};
 use crate::bar::{Bar, EndCondition, InitialFan, Origin, acts_without_fan};
@@ -7,20 +7,20 @@ use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::fd::{Grid, Quantity};
 use crate::wave::similarity::Edge;
 
-/// Follows all fronts that a bar's ends and joints send out at the start.
+/// Tracker of all fronts that a bar's ends and joints emit at the start.
 #[derive(Debug, Clone)]
 pub struct FrontTracker {
     fronts: Vec<Front>,
 }
 
-/// Cells ahead of a front that are looked at, so that a trough of the ripples behind a steep front is not taken for the
-/// front itself: ripples are two to four cells long.
+/// Number of cells ahead of a front that are searched, so that a trough of the oscillations behind a steep front is not
+/// mistaken for the front itself: the oscillations are two to four cells long.
 const LOOK_AHEAD: usize = 8;
 
 /// Width of a steep front in cells.
 const FRONT_WIDTH: f64 = 4.0;
 
-/// One front: the place where the strain passes the middle between ahead and behind.
+/// Front: the place where the strain is midway between the strains ahead and behind.
 #[derive(Debug, Clone)]
 struct Front {
     initial_fan: InitialFan,
@@ -28,28 +28,28 @@ struct Front {
     window: Window,
     /// Width of a steep front on this grid, m.
     width: f64,
-    /// Magnitude of strain that marks the front.
+    /// Magnitude of the strain that marks the front.
     level: f64,
-    /// Cells behind the front, counted from the origin.
+    /// Number of cells behind the front, counted from the origin.
     passed: usize,
-    /// (time, distance from the origin) while no other wave has interfered.
+    /// Times (s) and distances from the origin (m), recorded while no other wave can have interfered.
     track: Vec<(f64, f64)>,
     finished: bool,
 }
 
-/// Where and until when a fan runs undisturbed: distances from the origin and elastic signals from both sides.
+/// Range of distances and times in which a fan is undisturbed, bounded by elastic waves from both sides.
 #[derive(Debug, Clone, Copy)]
 struct Window {
     length: f64,
     c0: f64,
     /// First time at which any other wave can enter at the far side, s.
     far: f64,
-    /// The same at the origin.
+    /// First time at which any other wave can enter at the origin, s.
     near: f64,
 }
 
 impl Window {
-    /// True where a front at this distance cannot have met another wave yet; `margin` is the width of a front.
+    /// Returns true if a front at this distance cannot have met another wave yet; `margin` is the width of a front, m.
     fn undisturbed(&self, time: f64, distance: f64, margin: f64) -> bool {
         let from_far = self.length - self.c0 * (time - self.far).max(0.0);
         let from_near = self.c0 * (time - self.near).max(0.0);
@@ -58,13 +58,13 @@ impl Window {
 }
 
 impl FrontTracker {
-    /// A tracker for the fans of a bar on a grid.
+    /// Creates a tracker for the fans of a bar on a grid.
     pub fn new(bar: &Bar, grid: &Grid, initial_fans: &[InitialFan], ends: [&EndCondition; 2]) -> Self {
         let mut fronts = Vec::new();
         for initial_fan in initial_fans {
             let window = window(bar, initial_fan, initial_fans, ends);
             for edge in &initial_fan.fan.edges {
-                // Nothing that leaves its origin later overtakes an elastic front.
+                // A later wave from the same origin cannot overtake an elastic front.
                 let near = if edge.is_elastic(window.c0) { f64::INFINITY } else { window.near };
                 let level = 0.5 * (edge.strain_ahead + edge.strain_behind);
                 fronts.push(Front {
@@ -75,7 +75,7 @@ impl FrontTracker {
                     level,
                     passed: 0,
                     track: Vec::new(),
-                    // In a taper the jumps change on the way: no level marks them.
+                    // In a taper the strains of a front change on its way, so that no constant level marks it.
                     finished: bar.segments[initial_fan.segment].taper.is_some(),
                 });
             }
@@ -83,14 +83,14 @@ impl FrontTracker {
         Self { fronts }
     }
 
-    /// Looks where every front is now.
+    /// Updates the positions of all fronts.
     pub fn observe(&mut self, bar: &impl Stepped) {
         for front in self.fronts.iter_mut().filter(|f| !f.finished) {
             front.observe(bar);
         }
     }
 
-    /// What was found, with arrival times at gauges (name, place in m).
+    /// Returns the front table, with arrival times at gauges (name, place in m).
     pub fn rows(&self, gauges: &[(String, f64)]) -> Vec<FrontRow> {
         self.fronts.iter().map(|f| f.row(gauges)).collect()
     }
@@ -142,8 +142,7 @@ impl Front {
         }
     }
 
-    /// Speed by a straight line through the later half of the track, m/s; NaN where the front moved by less than its own
-    /// width there.
+    /// Returns the speed of a straight line fitted to the later half of the track, m/s; NaN if the front moved by less than its own width there.
     fn speed(&self) -> f64 {
         let late = &self.track[self.track.len() / 2..];
         let moved = late.last().map_or(0.0, |end| end.1 - late[0].1);
@@ -160,7 +159,7 @@ impl Front {
         tx / tt
     }
 
-    /// When the front came to a distance from its origin, s, straight between sightings; NaN where it did not.
+    /// Returns the time at which the front reached a distance from its origin, s, interpolated linearly; NaN if it did not.
     fn arrival(&self, distance: f64) -> f64 {
         let after = self.track.partition_point(|p| p.1 < distance);
         let Some(&(t1, x1)) = self.track.get(after) else { return f64::NAN };
@@ -191,7 +190,7 @@ impl Front {
     }
 }
 
-/// Places of the ends that send waves into the bar without a fan.
+/// Returns the positions of the ends that send waves into the bar without a fan, m.
 fn acting_ends(bar: &Bar, ends: [&EndCondition; 2]) -> impl Iterator<Item = f64> {
     let last = bar.segments.len() - 1;
     let acts = [(0, 1.0, 0.0), (last, -1.0, bar.length())].into_iter().zip(ends);
@@ -199,7 +198,7 @@ fn acting_ends(bar: &Bar, ends: [&EndCondition; 2]) -> impl Iterator<Item = f64>
     acts.map(|((_, _, x), _)| x).collect::<Vec<_>>().into_iter()
 }
 
-/// Elastic waves are the fastest, so they bound when anything else can interfere.
+/// Returns the window of a fan. Elastic waves are the fastest, so their transit times bound when anything else can interfere.
 fn window(bar: &Bar, initial_fan: &InitialFan, initial_fans: &[InitialFan], ends: [&EndCondition; 2]) -> Window {
     let segment = &bar.segments[initial_fan.segment];
     let last = bar.segments.len() - 1;
@@ -212,7 +211,7 @@ fn window(bar: &Bar, initial_fan: &InitialFan, initial_fans: &[InitialFan], ends
     let far_end = ends[usize::from(initial_fan.direction > 0.0)];
     let reflects = !(at_bar_end && matches!(far_end, EndCondition::Absorbing));
     let reflection = if reflects { transit(bar, initial_fan.x, far_x) } else { f64::INFINITY };
-    // A heavy striker counts as steady for some time.
+    // The force of a heavy striker counts as constant for some time.
     let loads_until = initial_fan.loads_until.max(initial_fan.holds_until);
     let near = match initial_fan.origin {
         Origin::Left | Origin::Right => loads_until,
@@ -224,7 +223,7 @@ fn window(bar: &Bar, initial_fan: &InitialFan, initial_fans: &[InitialFan], ends
     Window { length: segment.length, c0: segment.material.c0(), far: reflection.min(others(far_x)), near }
 }
 
-/// Transit time of an elastic wave between two positions, s.
+/// Returns the transit time of an elastic wave between two positions, s.
 fn transit(bar: &Bar, a: f64, b: f64) -> f64 {
     let (low, high) = (a.min(b), a.max(b));
     let (mut x0, mut time) = (0.0, 0.0);

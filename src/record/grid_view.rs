@@ -1,4 +1,4 @@
-//! Access of the recorders to solvers on a grid.
+//! Implementations of [`View`] and [`Stepped`] for the solvers on a grid.
 
 use super::stepped::{Stepped, log_stepwise};
 use super::view::{Account, ContactReading, Start, View};
@@ -36,7 +36,7 @@ impl View for Leapfrog {
         [self.left(), self.right()].map(|device| device.striker().map(|(velocity, _)| velocity))
     }
 
-    /// A fracture inside a segment is no joint.
+    /// Returns the contacts at joints only: a fracture inside a segment is not a joint.
     fn contacts(&self) -> Vec<ContactReading> {
         let starts = |joint: usize| self.grid().segments.get(joint + 1).map(|part| part.cells.start);
         let at_joints = self.contacts().filter(|contact| starts(contact.joint) == Some(contact.cell));
@@ -67,7 +67,7 @@ impl View for Leapfrog {
     }
 }
 
-/// The strain of every cell of a grid, see [`View::strains`].
+/// Passes the centre and the strain of every cell of a grid to `each`, see [`View::strains`].
 fn strains(grid: &Grid, mut strain: impl FnMut(usize) -> f64, each: &mut dyn FnMut(f64, f64)) {
     for part in &grid.segments {
         for cell in part.cells.clone() {
@@ -77,7 +77,7 @@ fn strains(grid: &Grid, mut strain: impl FnMut(usize) -> f64, each: &mut dyn FnM
     }
 }
 
-/// [`View`] of a solver that does not break, and has nothing act along the bar.
+/// Implements [`View`] for a solver without fracture and without distributed forces.
 macro_rules! view_of_whole_bar {
     ($solver:ty) => {
         impl View for $solver {
@@ -133,7 +133,7 @@ macro_rules! view_of_whole_bar {
 view_of_whole_bar!(Net);
 view_of_whole_bar!(Muscl);
 
-/// `$more` is what a solver does in its own way.
+/// Implements [`Stepped`]; `$more` are the methods in which a solver differs.
 macro_rules! stepped {
     ($solver:ty $(, $more:item)*) => {
         impl Stepped for $solver {
@@ -221,7 +221,7 @@ stepped!(
     }
 );
 
-/// A field at some places of a bar in cells; `displacements` are those of the cells' centres, m.
+/// Samples a field at places of a bar in cells; `displacements` returns the displacements of the cell centres, m.
 fn sample(
     bar: &impl Stepped,
     displacements: impl FnOnce() -> Vec<f64>,
@@ -240,7 +240,7 @@ fn sample(
     }
 }
 
-/// What a grid solver calls a field; none for the displacement, which is summed up from the strain.
+/// Returns the grid quantity of a field; `None` for the displacement, which is integrated from the strain.
 fn quantity(field: Field) -> Option<Quantity> {
     match field {
         Field::Stress | Field::Torque => Some(Quantity::Stress),

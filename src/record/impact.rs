@@ -1,4 +1,4 @@
-//! The summary of an impact without waves in a bar.
+//! Summary of an impact without waves in a bar.
 
 use std::collections::BTreeMap;
 
@@ -7,34 +7,34 @@ use serde::{Serialize, Serializer};
 
 use crate::impact::{Column, Figure, Solution, Table};
 
-/// What `barwave run --json` prints of such a scene: the keys that every summary has, then the figures of its kind, each with its unit in
-/// its name; null where there is none.
+/// Output of `barwave run --json` for an impact scene: the keys of every summary, then the figures of this kind of
+/// impact. The name of each figure includes its unit; a figure without a value is null.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactSummary {
-    /// Scene title.
+    /// Title of the scene.
     pub scene: String,
-    /// "energy", "spheres", "plate" or "beam".
+    /// Kind of the impact: "energy", "spheres", "plate" or "beam".
     pub method: &'static str,
-    /// The result.
+    /// Result of the impact.
     pub solution: Solution,
-    /// Everything, s.
+    /// Wall time of the whole run, s.
     pub wall_s: f64,
-    /// The result file; empty without one.
+    /// Path of the result file; empty if there is none.
     pub output: String,
 }
 
-/// What `barwave plan --json` prints of such a scene: what is known without an integration.
+/// Output of `barwave plan --json` for an impact scene: the results that are known without an integration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactPlan {
-    /// Scene title.
+    /// Title of the scene.
     pub scene: String,
-    /// "energy", "spheres", "plate" or "beam".
+    /// Kind of the impact: "energy", "spheres", "plate" or "beam".
     pub method: &'static str,
-    /// What is known of the result.
+    /// Results that are known without an integration.
     pub solution: Solution,
 }
 
-/// One map a row, with the keys of figures.
+/// Returns one map per row, with the same keys as figures.
 fn rows(table: &Table) -> Vec<BTreeMap<String, f64>> {
     let count = table.columns.first().map_or(0, |column| column.values.len());
     let key = |c: &Column| Figure::new(c.name, c.dimension, c.long_name, f64::NAN).json_key();
@@ -62,7 +62,7 @@ impl Serialize for ImpactPlan {
     }
 }
 
-/// The keys of plans and summaries.
+/// Writes the keys common to plans and summaries.
 fn entries<M: SerializeMap>(map: &mut M, method: &str, solution: &Solution) -> Result<(), M::Error> {
     map.serialize_entry("method", method)?;
     map.serialize_entry("scheme", solution.scheme)?;

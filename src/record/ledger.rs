@@ -1,4 +1,4 @@
-//! The balance of momentum and energy of a run.
+//! Balance of momentum and energy of a run.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,19 +6,18 @@ use super::{Account, LedgerRow, Start, View};
 use crate::snapshot::{self, Snapshot, pack, unpack};
 use crate::solver::Energies;
 
-/// Compares what is in the bar with what came in through its ends.
+/// Comparison of the energy and momentum in the bar with what came in through its ends.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Ledger {
     start: Start,
-    /// 1, or in torsion the radius by which momenta become angular ones, m.
+    /// Factor of the recorded momenta: 1, or in torsion the radius, m, which turns them into angular momenta.
     arm: f64,
-    /// Momentum transferred through the bar so far; initially the sum of the magnitudes of the momenta of its parts, which
-    /// remains a scale if they cancel.
+    /// Momentum transferred through the bar so far. It starts at sqrt(2 E m), an upper bound of the sum of the
+    /// magnitudes of the momenta of the bar's parts, which remains a scale if these cancel.
     momentum_scale: f64,
-    /// The largest energy that was in the bar or came in through an end so far, J: all of it may leave again, to rounding.
+    /// Largest energy that was in the bar or came in through an end so far, J. All of it may leave again, up to rounding.
     energy_scale: f64,
-    /// The initial energy or the largest work of an end so far, J: unlike what the columns hold, it does not grow with an energy
-    /// that the method adds.
+    /// Initial energy or largest work of an end so far, J. Unlike the sum of the energy columns, it does not grow with energy that the method adds.
     supplied: f64,
     worst_energy: f64,
     worst_momentum: f64,
@@ -26,7 +25,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Opens the account of a bar at t = 0.
+    /// Opens the ledger of a bar at t = 0.
     pub fn new(bar: &impl View) -> Self {
         let start = bar.start();
         Self {
@@ -41,13 +40,13 @@ impl Ledger {
         }
     }
 
-    /// The same of a bar in torsion: momenta are angular ones.
+    /// Converts momenta into angular momenta, for a bar in torsion of radius `arm`, m.
     #[must_use]
     pub fn with_arm(self, arm: f64) -> Self {
         Self { arm, ..self }
     }
 
-    /// The account at the current time.
+    /// Returns the row of the current time.
     pub fn row(&mut self, bar: &impl View) -> LedgerRow {
         let now: Account = bar.account();
         let ([left, right], impulse) = (now.work, now.impulse[0] + now.impulse[1] + now.impulse_along);
@@ -71,18 +70,18 @@ impl Ledger {
         }
     }
 
-    /// Largest relative energy residual so far.
+    /// Returns the largest relative energy residual so far.
     pub fn worst_energy(&self) -> f64 {
         self.worst_energy
     }
 
-    /// Most energy that the method itself has given to the bar so far, as a part of what it has been supplied with until now: while a load starts, both are
-    /// small. 0 where the method only took some.
+    /// Returns the largest energy that the method itself has added to the bar so far, relative to the largest supplied
+    /// energy up to now: while a load starts, both are small. 0 if the method has only dissipated energy.
     pub fn most_given(&self) -> f64 {
         relative(self.most_given, self.supplied)
     }
 
-    /// Largest relative momentum residual so far.
+    /// Returns the largest relative momentum residual so far.
     pub fn worst_momentum(&self) -> f64 {
         self.worst_momentum
     }
@@ -109,7 +108,7 @@ mod tests {
     use crate::record::Field;
     use crate::solver::EndState;
 
-    /// A bar that starts with 1 J, and holds and has been given from the left what the test says, J.
+    /// Bar with an initial energy of 1 J, its current energies, and the work of its left end, J.
     struct Bar(Energies, f64);
 
     impl View for Bar {
@@ -136,7 +135,7 @@ mod tests {
         }
     }
 
-    /// The scale of what a method added is what the bar was supplied with, not what the columns hold of it.
+    /// Energy added by the method is relative to the energy supplied to the bar, not to the sum of the columns.
     #[test]
     fn energy_from_the_method_is_a_part_of_what_the_bar_was_supplied_with() {
         let mut bar = Bar(Energies { kinetic: 1.0, ..Energies::default() }, 0.0);
@@ -146,7 +145,7 @@ mod tests {
         bar.0 = Energies { elastic: 90.0, half_step: -84.0, numerical: -5.0, ..Energies::default() };
         assert_eq!(ledger.row(&bar).residual, 0.0);
         assert_eq!(ledger.most_given(), 5.0);
-        // What it gave at the start is little beside what is supplied in the end.
+        // The energy added at the start is small compared with the energy supplied by the end.
         bar.0 = Energies { elastic: 96.0, half_step: -92.0, ..Energies::default() };
         bar.1 = 500.0;
         ledger.row(&bar);

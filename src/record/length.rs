@@ -2,16 +2,16 @@
 
 use serde::Serialize;
 
-/// A segment's length, without the openings of joints and fractures. For a bar against a wall this is what a Taylor test measures.
+/// Length of a segment, without the openings of joints and fractures. For a bar against a wall this is the length measured in a Taylor test.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LengthSummary {
-    /// Undeformed, m.
+    /// Undeformed length, m.
     #[serde(rename = "initial_m")]
     pub initial: f64,
-    /// At the end time, m.
+    /// Length at the end time, m.
     #[serde(rename = "final_m")]
     pub at_end: f64,
-    /// After elastic unloading of every section from its state at the end time, m: the integral of 1 + plastic strain.
+    /// Length after elastic unloading of every section from its state at the end time, m: the integral of 1 + plastic strain.
     #[serde(rename = "unloaded_m")]
     pub unloaded: f64,
 }

@@ -1,4 +1,4 @@
-//! The records of a run: fields, gauges, end histories, fronts, ledger, audit, and the result file.
+//! Records of a run: fields, gauges, end histories, fronts, ledger, audit, and the result file.
 
 mod audit;
 mod checks;
@@ -85,7 +85,7 @@ pub enum Field {
 }
 
 impl Field {
-    /// Every field, in the order of the contract.
+    /// Every field, in the order in which the interface lists them.
     pub const ALL: [Self; 10] = [
         Self::Stress,
         Self::Strain,
@@ -99,7 +99,7 @@ impl Field {
         Self::AngularVelocity,
     ];
 
-    /// The field of the surface from which one in torsion is computed; any other field itself.
+    /// Returns the surface field from which a field in torsion is computed, or the field itself if it is no such field.
     #[must_use]
     pub fn base(self) -> Self {
         match self {
@@ -110,7 +110,7 @@ impl Field {
         }
     }
 
-    /// The effect without which it does not exist, a key of the scene's `[effects]`.
+    /// Returns the effect without which the field does not exist, as a key of the scene's `[effects]`; `None` if it always exists.
     pub fn needs(self) -> Option<&'static str> {
         match self {
             Self::PlasticStrain | Self::AccumulatedPlasticStrain => Some("hardening"),
@@ -119,7 +119,7 @@ impl Field {
         }
     }
 
-    /// Dataset name.
+    /// Returns the name of the dataset.
     pub fn name(self) -> &'static str {
         match self {
             Self::Stress => "stress",
@@ -135,7 +135,7 @@ impl Field {
         }
     }
 
-    /// SI unit, as written to the `units` attribute.
+    /// Returns the SI unit, as written to the `units` attribute.
     pub fn units(self) -> &'static str {
         match self {
             Self::Stress => "Pa",
@@ -149,7 +149,7 @@ impl Field {
         }
     }
 
-    /// For the `long_name` attribute and for axis labels.
+    /// Returns the description for the `long_name` attribute and for axis labels.
     pub fn long_name(self) -> &'static str {
         match self {
             Self::Stress => "engineering stress, tension positive",
@@ -165,7 +165,7 @@ impl Field {
         }
     }
 
-    /// The same for a bar in torsion, whose fields are those of its surface.
+    /// Returns the description for a bar in torsion, whose fields are those of its surface.
     pub fn long_name_in_torsion(self) -> &'static str {
         match self {
             Self::Stress => "nominal shear stress at the surface, torque times radius over J",
@@ -179,41 +179,41 @@ impl Field {
     }
 }
 
-/// One moment of the recorded fields: one row of `n_x` values for each recorded field, in the layout's order.
+/// Recorded fields at one time: one row of `n_x` values for each recorded field, in the layout's order.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Frame {
-    /// s.
+    /// Time of the frame, s.
     pub time: f64,
-    /// A row for each field.
+    /// One row of values for each field.
     pub rows: Vec<Vec<f64>>,
 }
 
-/// A history at one place; a column has one value a row of `time`, or is empty.
+/// History at one place. A column has one value for each row of `time`, or is empty.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
-    /// s.
+    /// Times of the rows, s, non-decreasing.
     pub time: Vec<f64>,
-    /// Pa.
+    /// Stress, Pa, tension positive.
     pub stress: Vec<f64>,
     /// Engineering strain; empty for the ends.
     pub strain: Vec<f64>,
-    /// m/s.
+    /// Velocity, m/s, positive in +x.
     pub velocity: Vec<f64>,
-    /// K; empty without the effect of heat, and for the ends.
+    /// Temperature, K; empty without the effect of heat, and for the ends.
     pub temperature: Vec<f64>,
 }
 
 impl Trace {
-    /// All columns, the time first.
+    /// Returns all columns, the time first.
     pub fn columns_mut(&mut self) -> [&mut Vec<f64>; 5] {
         [&mut self.time, &mut self.stress, &mut self.strain, &mut self.velocity, &mut self.temperature]
     }
 }
 
-/// One row of the ledger. Energies in J, momenta in N s (per m^2 where the scene gives no area).
+/// Row of the ledger. Energies are in J, momenta in N s (per m^2 if the scene gives no area).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct LedgerRow {
-    /// s.
+    /// Time of the row, s.
     pub time: f64,
     /// Energies and momentum of the bar.
     pub energies: Energies,
@@ -221,90 +221,88 @@ pub struct LedgerRow {
     pub work_left: f64,
     /// Work done on the bar by the right end since the start.
     pub work_right: f64,
-    /// Impulse that both ends, external damping and a foundation have given to the bar since the start.
+    /// Impulse given to the bar by both ends, external damping and a foundation since the start.
     pub impulse: f64,
-    /// Energy that is missing (or too much), over the larger of the initial energy and the work that went
-    /// through the ends; dimensionless.
+    /// Energy residual, positive if there is too much energy, relative to the largest energy that the bar has held or an end has transferred so far.
     pub residual: f64,
 }
 
-/// One front: an edge of the hull and what the simulation made of it. Signs as in the fields.
+/// Front: an edge of the hull, and what was measured of it in the simulation. Signs as in the fields.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrontRow {
-    /// Where it started: "left", "right" or "joint 1", ..., for the fronts of theory; [`INTERIOR`] for any other front
-    /// that is under way at the end of a tracked run.
+    /// Origin of the front: "left", "right" or "joint 1", ..., for the fronts of the theory; [`INTERIOR`] for any other
+    /// front in the bar at the end of a front-tracking run.
     pub origin: String,
-    /// Strain behind the front.
+    /// Engineering strain behind the front.
     pub strain_behind: f64,
-    /// Strain ahead of it.
+    /// Engineering strain ahead of the front.
     pub strain_ahead: f64,
-    /// Stress behind, Pa.
+    /// Stress behind the front, Pa.
     pub stress_behind: f64,
-    /// Stress ahead, Pa.
+    /// Stress ahead of the front, Pa.
     pub stress_ahead: f64,
-    /// Theory, m/s: sqrt(d sigma/(rho d eps)), positive in +x.
+    /// Theoretical speed sqrt(d sigma/(rho d eps)), m/s, positive in +x.
     pub speed: f64,
-    /// Read off the simulated field (by front tracking: off the front itself), m/s, positive in +x; NaN where the front
-    /// could not be followed.
+    /// Speed measured in the simulated field (in front tracking: of the front itself), m/s, positive in +x; NaN if the front could not be followed.
     pub speed_measured: f64,
-    /// Place where it was last seen, m from the left end; NaN where it never was.
+    /// Last known position, m from the left end; NaN if there is none.
     pub position: f64,
-    /// When it was last seen, s: the end of the run, or when it met another wave.
+    /// Time of the last known position, s: the end of the run, or the time at which the front met another wave.
     pub last_seen: f64,
-    /// Until when the load that sent it out is as at t = 0, s: infinite where it never changes, NaN for [`INTERIOR`].
+    /// Time up to which the load that emits the front is as at t = 0, s: infinite if it never changes, NaN for [`INTERIOR`].
     pub load_held_until: f64,
-    /// Arrival time at each gauge in the layout's order, s; NaN where it did not get there.
+    /// Arrival time at each gauge in the layout's order, s; NaN if the front did not reach the gauge.
     pub arrivals: Vec<f64>,
 }
 
-/// A straight piece of a front in x and t, for `/paths`.
+/// Straight segment of a front in the x-t plane, for `/paths`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PathRow {
-    /// Where it began, m from the left end.
+    /// Position of the start, m from the left end.
     pub x0: f64,
-    /// When, s.
+    /// Time of the start, s.
     pub t0: f64,
-    /// Where it met something, or is at the end of the run, m.
+    /// Position of the end, m: where the front met another front or a boundary, or where it is at the end of the run.
     pub x1: f64,
-    /// When, s.
+    /// Time of the end, s.
     pub t1: f64,
-    /// Stress behind the front less the stress ahead of it, Pa.
+    /// Stress behind the front minus stress ahead of it, Pa.
     pub stress_jump: f64,
-    /// m/s, positive in +x.
+    /// Speed, m/s, positive in +x.
     pub speed: f64,
 }
 
-/// A neglected effect, and how large it would have been; see [`Audit`].
+/// Neglected effect and the estimate of its size; see [`Audit`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct AuditRow {
-    /// e.g. "hardening".
+    /// Name of the effect, e.g. "hardening".
     pub effect: String,
     /// Estimated relative change of the stress, or the quantity named in `finding`; NaN (null in JSON) if unknown.
     pub estimate: f64,
-    /// Threshold of significance: the `audit-tolerance` of the run, or that named in `finding`.
+    /// Threshold of significance: the `audit-tolerance` of the run, or the one named in `finding`.
     pub threshold: f64,
-    /// What was neglected, e.g. "lateral inertia", where `finding` is only its size; empty where that says all, as in rows read from a file.
+    /// Neglected phenomenon, e.g. "lateral inertia", if `finding` states only its size; empty if `finding` is complete, as in rows read from a file.
     pub neglected: String,
-    /// For people: size, place, time.
+    /// Text with size, place and time.
     pub finding: String,
-    /// How to include the effect, e.g. "Add `heat = {}` under `[effects]` to include it"; empty if there is nothing to do, and in
-    /// rows read from a file, whose `finding` has it.
+    /// Instruction for including the effect, e.g. "Add `heat = {}` under `[effects]` to include it". Empty if there is
+    /// nothing to do, and in rows read from a file, whose `finding` contains it.
     pub remedy: String,
 }
 
 impl AuditRow {
-    /// The effect would have changed the answer.
+    /// Returns true if including the effect would change the result significantly.
     pub fn matters(&self) -> bool {
         self.estimate >= self.threshold
     }
 
-    /// The finding, and how to include the effect.
+    /// Returns the finding, followed by the instruction for including the effect.
     pub fn advice(&self) -> String {
         let stop = if self.remedy.is_empty() { "" } else { ". " };
         format!("{}{stop}{}", self.said(" was neglected; "), self.remedy)
     }
 
-    /// The advice as a sentence, with a capital letter and a full stop.
+    /// Returns the advice as a sentence, with a capital letter and a full stop.
     pub fn note(&self) -> String {
         let advice = self.advice();
         let mut letters = advice.chars();
@@ -312,17 +310,17 @@ impl AuditRow {
         format!("{first}{}.", letters.as_str())
     }
 
-    /// The finding without its remedy; `of` leads from what was neglected to its size.
+    /// Returns the finding without its remedy; `of` joins the neglected phenomenon to its size.
     fn said(&self, of: &str) -> String {
         if self.neglected.is_empty() { self.finding.clone() } else { format!("{}{of}{}", self.neglected, self.finding) }
     }
 
-    /// The finding where the effect is considered, not neglected.
+    /// Returns the finding for an effect that is considered, not neglected.
     pub fn considered(&self) -> String {
         self.said(": ")
     }
 
-    /// One line of text: effect, finding, and the key that includes it.
+    /// Returns one line of text: effect, finding, and the key that includes the effect.
     pub fn message(&self) -> String {
         format!("{}: {}", self.effect, self.advice())
     }
@@ -339,24 +337,24 @@ impl Serialize for AuditRow {
     }
 }
 
-/// A curve as the run used it, for `/material/<name>`.
+/// Stress-strain curve as the run used it, for `/material/<name>`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialRecord {
-    /// Group name.
+    /// Name of the group.
     pub name: String,
-    /// Knot strains, signed: compression branch first where it differs.
+    /// Strains of the knots, signed; the compression branch comes first if it differs from the tension branch.
     pub strain: Vec<f64>,
-    /// Knot stresses, Pa, signed.
+    /// Stresses of the knots, Pa, signed.
     pub stress: Vec<f64>,
     /// Strains and stresses (Pa) in tension.
     pub tension: [Vec<f64>; 2],
-    /// Their magnitudes in compression.
+    /// Magnitudes of strains and stresses (Pa) in compression.
     pub compression: [Vec<f64>; 2],
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub density: f64,
-    /// Pa.
+    /// Young's modulus (shear modulus in torsion), Pa.
     pub modulus: f64,
-    /// Citation, what was measured, confidence, origin: written as attributes.
+    /// Citation, measured quantity, confidence and origin, written as attributes.
     pub provenance: crate::material::Provenance,
 }
 

@@ -1,4 +1,4 @@
-//! Exact gauge histories of a front-tracking bar, from the segments of the fronts that pass.
+//! Exact gauge histories of a front-tracking bar, computed from the segments of the fronts that pass.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,58 +6,59 @@ use super::Trace;
 use crate::bar::{Bar, Initial, Segment};
 use crate::solver::moc::{FrontSegment, FrontTracking};
 
-/// Places closer than this part of the bar's length are one: fronts that meet in a point miss it by rounding.
+/// Distance, relative to the length of the bar, up to which two places are equal: fronts that meet at a point miss it by rounding.
 const SAME_PLACE: f64 = 1e-12;
 
-/// Part of the run's time by which crossings are held back from the rows of a moment, so that one at just that moment,
-/// which a front still under way and the same front ended tell apart by rounding, is counted once.
+/// Time, relative to the duration of the run, by which crossings lag behind the current time. A crossing at exactly the
+/// current time differs by rounding between the active front and the same front once it has ended; with the lag it is
+/// counted once.
 const HELD_BACK: f64 = 1e-11;
 
-/// Histories at places, two rows a step: the state before and after it, at one time.
+/// Histories at places, with two rows per step at one time: the state before it and the state after it.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct StepGauges {
     gauges: Vec<StepGauge>,
-    /// The temperature is read too.
+    /// True if the temperature is recorded.
     heat: bool,
-    /// Crossings up to this time are in the rows, s.
+    /// Time up to which crossings are in the rows, s.
     done: f64,
     held_back: f64,
-    /// Front segments that have ended since, with what they do just then.
+    /// Front segments that have ended after `done`.
     ended: Vec<FrontSegment>,
 }
 
-/// One place. It sees the state just right of it; at the right end of the bar, just left.
+/// Gauge at one place. It reads the state just to the right of the place; at the right end of the bar, just to the left.
 #[derive(Debug, Serialize, Deserialize)]
 struct StepGauge {
     x: f64,
-    /// +1: the state in +x of the place counts, -1: that in -x.
+    /// Side on which the state is read: +1 in +x of the place, -1 in -x.
     side: f64,
     same_place: f64,
     state: State,
     crossings: Vec<Crossing>,
     started: bool,
-    /// The temperature is read.
+    /// True if the temperature is recorded.
     heat: bool,
     rows: Trace,
 }
 
-/// Stress (Pa), strain, velocity (m/s) and temperature (K; not used without the effect of heat).
+/// Stress (Pa), strain, velocity (m/s) and temperature (K; unused without the effect of heat).
 type State = [f64; 4];
 
-/// A front that changes what the gauge sees.
+/// Front that changes the state at the gauge.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Crossing {
     time: f64,
-    /// It moves away from the place into the side that counts, or came to the place from there.
+    /// True if the front moves away from the place into the side that is read; false if it arrives from that side.
     leaves: bool,
-    /// Magnitude, m/s.
+    /// Magnitude of the speed, m/s.
     speed: f64,
     after: State,
 }
 
 impl Crossing {
-    /// Order at one place: by time; at one time what arrives comes first (the fastest last, it lies nearest), then what
-    /// the meeting sends out, the fastest first.
+    /// Compares crossings at one place by time. At equal times, arriving fronts come first, the fastest (which lies
+    /// nearest to the place) last; then come the fronts emitted by the interaction, the fastest first.
     fn order(&self, other: &Self) -> std::cmp::Ordering {
         let rank = |c: &Self| if c.leaves { -c.speed } else { c.speed };
         self.time.total_cmp(&other.time).then(self.leaves.cmp(&other.leaves)).then(rank(self).total_cmp(&rank(other)))
@@ -65,19 +66,19 @@ impl Crossing {
 }
 
 impl StepGauges {
-    /// Gauges at `places` (m) of a bar at t = 0; `until` is the end time, s.
+    /// Creates gauges at `places` (m) of a bar at t = 0; `until` is the end time, s.
     pub fn new(bar: &Bar, places: &[f64], until: f64) -> Self {
         let heat = bar.segments.iter().any(|s| s.material.heating.is_some());
         let gauges = places.iter().map(|&x| StepGauge::new(bar, x, heat)).collect();
         Self { gauges, heat, done: f64::NEG_INFINITY, held_back: HELD_BACK * until, ended: Vec::new() }
     }
 
-    /// Takes in what passed since the last call; `ended` are the front segments that ended since then.
+    /// Adds the crossings since the last call; `ended` are the front segments that have ended since then.
     pub fn collect(&mut self, bar: &FrontTracking, ended: &[FrontSegment]) {
         self.collect_until(bar, ended, bar.time() - self.held_back);
     }
 
-    /// Takes in the rest at the end of the run, and closes every history with a row at that time.
+    /// Adds the remaining crossings at the end of the run, and closes every history with a row at that time.
     pub fn close(&mut self, bar: &FrontTracking, ended: &[FrontSegment]) {
         self.collect_until(bar, ended, f64::INFINITY);
         for gauge in &mut self.gauges {
@@ -109,13 +110,14 @@ impl StepGauges {
         }
     }
 
-    /// Hands on the rows since the last call, gauge by gauge.
+    /// Returns the rows since the last call, gauge by gauge.
     pub fn take(&mut self) -> Vec<Trace> {
         self.gauges.iter_mut().map(|gauge| std::mem::take(&mut gauge.rows)).collect()
     }
 }
 
-/// The state at t = 0 just right of a place, m from the segment's left end, and its velocity; at the right end, just left.
+/// Returns the state and the velocity at t = 0 just to the right of a place, `x` in m from the segment's left end; at
+/// the right end of the segment, just to the left.
 fn initial(segment: &Segment, x: f64, same_place: f64) -> (Initial, f64) {
     let Some(profile) = &segment.profile else { return (segment.initial, segment.velocity) };
     if x + same_place >= segment.length {
@@ -150,8 +152,8 @@ impl StepGauge {
         }
     }
 
-    /// When and how a piece changes what is seen here, if it does. Distances are counted from the place into the side
-    /// that counts: a front that comes from there and reaches the place has passed all of that side, and so has one
+    /// Returns the crossing of a front segment, if it changes the state at this gauge. Distances are measured from the
+    /// place into the side that is read: a front that arrives from that side has passed all of it, and so has a front
     /// that leaves the place into it.
     fn crossing(&self, piece: &FrontSegment, after: impl FnOnce() -> State) -> Option<Crossing> {
         let distance = |x: f64| {
@@ -163,7 +165,7 @@ impl StepGauge {
         let passes = if leaves { from <= 0.0 && 0.0 < to } else { to <= 0.0 && 0.0 < from };
         let length = piece.x[1] - piece.x[0];
         passes.then(|| Crossing {
-            // A front that starts or ends here does so at a time that is known exactly.
+            // The time at which a front starts or ends here is known exactly.
             time: match (from == 0.0, to == 0.0) {
                 (true, _) => start,
                 (_, true) => end,
@@ -175,8 +177,8 @@ impl StepGauge {
         })
     }
 
-    /// Two rows for each moment at which the state changes; what lasts no time leaves none. What happens at t = 0 is the
-    /// first row alone.
+    /// Adds two rows for each time at which the state changes; states of zero duration are omitted. Changes at t = 0
+    /// are contained in the first row, without a second one.
     fn add_rows(&mut self) {
         let mut crossings = std::mem::take(&mut self.crossings);
         crossings.sort_by(Crossing::order);
@@ -187,7 +189,7 @@ impl StepGauge {
                 continue;
             }
             self.start();
-            // Where there is no temperature it is not a number, before and after.
+            // A temperature that does not exist is NaN both before and after.
             let changed = |(after, before): (&f64, &f64)| after != before && !(after.is_nan() && before.is_nan());
             if last.after.iter().zip(&self.state).any(changed) {
                 self.push(last.time);
@@ -200,7 +202,7 @@ impl StepGauge {
         self.crossings = crossings;
     }
 
-    /// The row at t = 0, once.
+    /// Adds the row at t = 0, once.
     fn start(&mut self) {
         if !self.started {
             self.started = true;

@@ -1,4 +1,4 @@
-//! Access of the recorders to a bar advanced in equal steps on a grid.
+//! Interface of the recorders to a bar that is advanced in equal steps on a grid.
 
 use super::{Traces, View};
 use crate::bar::SuddenLoads;
@@ -6,26 +6,26 @@ use crate::law::FirstPassed;
 use crate::solver::EndSample;
 use crate::solver::fd::{Grid, Quantity, Sampling, Unresolved};
 
-/// A bar on a grid with a constant time step.
+/// Bar on a grid with a constant time step.
 pub trait Stepped: View<Places = Sampling> {
-    /// The grid.
+    /// Returns the grid.
     fn grid(&self) -> &Grid;
 
-    /// Steps so far.
+    /// Returns the number of steps so far.
     fn step(&self) -> usize;
 
-    /// One step.
+    /// Advances the bar by one step.
     fn advance(&mut self);
 
-    /// So many steps.
+    /// Advances the bar by a number of steps.
     fn advance_by(&mut self, steps: usize) {
         (0..steps).for_each(|_| self.advance());
     }
 
-    /// Makes ready for [`Stepped::advance_logging`] with these histories.
+    /// Prepares [`Stepped::advance_logging`] with these histories.
     fn watch(&mut self, _traces: &Traces) {}
 
-    /// So many steps, each of which is added to the histories.
+    /// Advances the bar by a number of steps and adds each of them to the histories.
     fn advance_logging(&mut self, steps: usize, traces: &mut Traces)
     where
         Self: Sized,
@@ -38,41 +38,41 @@ pub trait Stepped: View<Places = Sampling> {
         traces.add(self.time(), self.end_samples(), |quantity, cell| self.value(quantity, cell));
     }
 
-    /// Exact states of suddenly loaded ends and joints.
+    /// Returns the exact states of suddenly loaded ends and joints.
     fn sudden_loads(&self) -> SuddenLoads {
         SuddenLoads::default()
     }
 
-    /// Both ends after the latest step.
+    /// Returns the states of both ends after the latest step.
     fn end_samples(&self) -> [EndSample; 2];
 
-    /// A quantity in one cell.
+    /// Returns a quantity in one cell.
     fn value(&self, quantity: Quantity, cell: usize) -> f64;
 
-    /// A quantity at some places, into `out` (one entry a place).
+    /// Writes a quantity at some places into `out` (one entry per place).
     fn read(&self, quantity: Quantity, places: &Sampling, out: &mut [f64]) {
         places.read(|cell| self.value(quantity, cell), out);
     }
 
-    /// A quantity in every cell, into `out` (one entry a cell).
+    /// Writes a quantity in every cell into `out` (one entry per cell).
     fn profile(&self, quantity: Quantity, out: &mut [f64]);
 
-    /// Nothing has yielded so far.
+    /// Returns true if no cell has yielded so far.
     fn stayed_elastic(&self) -> bool;
 
-    /// The cells that have come to a limit of what their law knows, up to now.
+    /// Returns the first cells that have reached a limit of the data of their material so far.
     fn passed(&self) -> FirstPassed;
 
-    /// The largest tension that met the criterion of rupture over too few cells to break the bar.
+    /// Returns the largest tension that met the fracture criterion over too few cells to fracture the bar.
     fn unresolved_tension(&self) -> Option<Unresolved> {
         None
     }
 
-    /// The first cell of which something is not a finite number.
+    /// Returns the first cell in which a quantity is not finite.
     fn not_finite(&self) -> Option<usize>;
 }
 
-/// Takes a bar so many steps on, one by one, and adds each to the histories.
+/// Advances a bar step by step and adds each step to the histories.
 pub(super) fn log_stepwise(bar: &mut impl Stepped, steps: usize, traces: &mut Traces) {
     for _ in 0..steps {
         bar.advance();

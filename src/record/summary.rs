@@ -1,139 +1,140 @@
-//! The summary of a run, as printed and as `--json`.
+//! Summary of a run, as printed and as `--json`.
 
 use serde::{Deserialize, Serialize};
 
 use super::{AuditRow, ErrorTable, Figures, LengthSummary};
 use crate::law::rupture::{Cause, Rupture};
 
-/// The summary of a run; the keys are part of the interface.
+/// Summary of a run; its keys are part of the interface.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
-    /// Scene title.
+    /// Title of the scene.
     pub scene: String,
-    /// "done", "rupture", "interrupted", ...
+    /// Outcome: "done", "rupture", "interrupted", ...
     pub outcome: String,
-    /// "fd" or "moc".
+    /// Method: "fd" or "moc".
     pub method: String,
-    /// "leapfrog", ...
+    /// Scheme: "leapfrog", ...
     pub scheme: String,
     /// Effects that were simulated.
     pub effects: Vec<String>,
-    /// Cells; 0 for moc, which has none.
+    /// Number of cells; 0 for moc, which has none.
     pub cells: usize,
-    /// Time steps; for moc, the events.
+    /// Number of time steps; for moc, of events.
     pub steps: usize,
-    /// Meetings of fronts, and steps of the ends (0 for fd).
+    /// Number of events: interactions of fronts, and steps of the ends (0 for fd).
     pub events: u64,
-    /// Whole run, output included, s.
+    /// Wall time of the whole run, output included, s.
     pub wall_s: f64,
-    /// Stepping alone, s.
+    /// Wall time of the solver alone, s.
     pub step_wall_s: f64,
-    /// cells * steps / `step_wall_s`.
+    /// Cells times steps over `step_wall_s`, 1/s.
     pub cell_steps_per_s: f64,
-    /// What only front tracking has; absent for fd.
+    /// Results that only front tracking has; absent for fd.
     #[serde(flatten)]
     pub tracking: Option<TrackingSummary>,
-    /// Simulated time reached, s.
+    /// Simulated time that was reached, s.
     pub end_time_s: f64,
-    /// Left end at the end time.
+    /// State of the left end at the end time.
     pub left: EndSummary,
-    /// Right end at the end time.
+    /// State of the right end at the end time.
     pub right: EndSummary,
-    /// Lengths of the segments, left to right; left out in torsion.
+    /// Lengths of the segments from left to right; absent in torsion.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lengths: Vec<LengthSummary>,
-    /// Forces, contact, gauges, residual deformation, energy, rebound.
+    /// Figures: forces, contact, gauges, residual deformation, energy, rebound.
     pub figures: Figures,
-    /// What only a bar in torsion has.
+    /// Results that only a bar in torsion has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torsion: Option<TorsionSummary>,
-    /// Fronts.
+    /// Fronts emitted by the ends and joints, and in moc all fronts in the bar at the end.
     pub fronts: Vec<FrontSummary>,
-    /// Of the struck material, m/s; null where the data hold none.
+    /// Critical velocity of the struck material, m/s; null if the data do not determine it.
     #[serde(rename = "critical_velocity_m_s")]
     pub critical_velocity: Option<f64>,
-    /// The imposed velocity is more than the bar can carry away.
+    /// True if an imposed velocity exceeds the critical velocity.
     pub above_critical: bool,
-    /// sigma against rho c0 v (9.34), where the run stayed elastic.
+    /// Comparison of sigma with rho c0 v (9.34), if the run stayed elastic.
     pub elastic_check: Option<ElasticCheck>,
-    /// Residuals.
+    /// Residuals of the ledger.
     pub ledger: LedgerSummary,
-    /// Error against a reference, where there is one.
+    /// Error against a reference, if there is one.
     pub error: Option<ErrorFigure>,
-    /// Errors one by one; left out where they were not measured or estimated.
+    /// Errors of all measures; absent if they were neither measured nor estimated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub errors: Option<ErrorTable>,
-    /// Why this method and resolution; left out where the scene names them.
+    /// Reasons for the method and resolution; absent if the scene specifies them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub choice: Option<ChoiceSummary>,
-    /// Where and when the bar broke; left out where it was not to break.
+    /// Fractures of the bar; absent if the scene does not simulate fracture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruptures: Option<Vec<RuptureSummary>>,
-    /// What `effects = "auto"` chose, and why; left out where the scene names its effects.
+    /// Choices of `effects = "auto"` and their reasons; absent if the scene lists its effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auto: Option<Vec<AutoChoice>>,
-    /// Largest rise in temperature at the end, K; left out without the effect of heat.
+    /// Largest temperature rise at the end, K; absent without the effect of heat.
     #[serde(rename = "largest_temperature_rise_K", skip_serializing_if = "Option::is_none")]
     pub temperature_rise: Option<f64>,
     /// Neglected effects.
     pub audit: Vec<AuditRow>,
-    /// Notes on problematic settings of the scene, and on neglected effects that matter, one sentence each.
+    /// Notes on problematic settings of the scene and on significant neglected effects, one sentence each.
     pub notes: Vec<String>,
-    /// Result file.
+    /// Path of the result file.
     pub output: String,
 }
 
-/// One decision of `effects = "auto"`.
+/// Decision of `effects = "auto"` about one effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AutoChoice {
-    /// A key of the scene's `[effects]`.
+    /// Key of the scene's `[effects]`.
     pub effect: String,
-    /// Simulated from this round on.
+    /// True if the effect is simulated from this round onwards.
     pub on: bool,
-    /// Why, with the figures.
+    /// Reason, with the figures.
     pub why: String,
-    /// Estimated relative change of the stress that it makes; infinite (null in JSON) where a field that is recorded needs it.
+    /// Estimated relative change of the stress by the effect; infinite (null in JSON) if a recorded field needs it.
     pub estimate: f64,
-    /// 0: before the first run; otherwise after which run it was found to be missing.
+    /// Round: 0 before the first run, otherwise the number of the run after which the effect was found to be missing.
     pub round: usize,
 }
 
-/// Additional results of front tracking; the keys are on the level of those of [`Summary`].
+/// Additional results of front tracking; their keys are at the same level as those of [`Summary`].
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct TrackingSummary {
     /// Smallest stress jump that is tracked as a front of its own, relative to `stress_scale`.
     pub front_tolerance: f64,
-    /// Largest stress that the scene's data can reach, Pa.
+    /// Stress to which tolerances are relative, Pa: the largest imposed or initial stress, or the stress that the
+    /// largest difference of imposed and initial velocities causes in the unstressed bar.
     #[serde(rename = "stress_scale_Pa")]
     pub stress_scale: f64,
-    /// Fronts in the bar at the end.
+    /// Number of fronts in the bar at the end.
     pub fronts_under_way: usize,
-    /// events / `step_wall_s`.
+    /// Events over `step_wall_s`, 1/s.
     pub events_per_s: f64,
 }
 
-/// How a scene with a tolerance came to its method and resolution.
+/// Choice of the method and resolution for a scene with a tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChoiceSummary {
-    /// What was asked for.
+    /// Requested tolerance.
     pub tolerance: f64,
-    /// One sentence.
+    /// Reason for the choice, one sentence.
     pub why: String,
-    /// Pilots and runs that missed, method by method, and then the run itself.
+    /// Pilot runs and runs that missed the tolerance, method by method, and finally the run itself.
     pub tried: Vec<Tried>,
 }
 
-/// A method and how finely it worked.
+/// Method and its resolution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SolvedBy {
-    /// "fd" or "moc".
+    /// Method: "fd" or "moc".
     pub method: String,
-    /// "leapfrog", "muscl", "front-tracking" or "characteristic-net".
+    /// Scheme: "leapfrog", "muscl", "front-tracking" or "characteristic-net".
     pub scheme: String,
-    /// Cells of the bar.
+    /// Number of cells of the bar; absent for front tracking.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cells: Option<usize>,
-    /// Front tolerance.
+    /// Front tolerance; absent for methods on a grid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub front_tolerance: Option<f64>,
 }
@@ -148,66 +149,66 @@ impl std::fmt::Display for SolvedBy {
     }
 }
 
-/// A pilot, or a run.
+/// Pilot run, or run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tried {
-    /// By what.
+    /// Method and its resolution.
     #[serde(flatten)]
     pub by: SolvedBy,
-    /// Estimate of its error.
+    /// Estimated error.
     pub estimate: Option<f64>,
-    /// Cell-steps or events.
+    /// Work: cell-steps or events.
     pub work: u64,
 }
 
-/// The ends of a bar in torsion at the end time; stresses, strains and velocities of the summary are those of its surface.
+/// Ends of a bar in torsion at the end time. The stresses, strains and velocities of the summary are those of the surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TorsionSummary {
-    /// The surface's radius (of thin tubes the mean one), m.
+    /// Radius of the surface, m; for thin tubes the mean radius.
     pub radius_m: f64,
     /// Torque at the left and the right end, N m.
     #[serde(rename = "torque_N_m")]
     pub torque: [f64; 2],
-    /// Their angular velocities, rad/s.
+    /// Angular velocity of the left and the right end, rad/s.
     pub angular_velocity_rad_s: [f64; 2],
 }
 
-/// The state at an end.
+/// State at an end.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct EndSummary {
-    /// Pa.
+    /// Stress, Pa, tension positive.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// Engineering strain: by fd four cells inside the bar, by moc right at the end.
+    /// Engineering strain: for fd four cells inside the bar, for moc at the end itself.
     pub strain: f64,
-    /// m/s.
+    /// Velocity, m/s, positive in +x.
     #[serde(rename = "velocity_m_s")]
     pub velocity: f64,
-    /// Velocity of the striker there, m/s; left out where there is none.
+    /// Velocity of the striker at the end, m/s; absent without a striker.
     #[serde(rename = "striker_velocity_m_s", skip_serializing_if = "Option::is_none")]
     pub striker: Option<f64>,
 }
 
-/// A rupture in the summary.
+/// Fracture in the summary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RuptureSummary {
-    /// "left end", "right end", "joint 1", ..., "segment 1", ...
+    /// Site: "left end", "right end", "joint 1", ..., "segment 1", ...
     pub site: String,
-    /// What it broke of.
+    /// Criterion that was met.
     pub cause: Cause,
-    /// When.
+    /// Time of the fracture, s.
     pub time_s: f64,
-    /// Where in the undeformed bar.
+    /// Position in the undeformed bar, m from the left end.
     pub x_m: f64,
-    /// Stress there as it broke, Pa.
+    /// Stress at the place when it fractured, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// Nominal strain there.
+    /// Nominal strain at the place when it fractured.
     pub strain: f64,
-    /// Energy that had been absorbed there, J/m^3.
+    /// Energy absorbed at the place up to the fracture, J/m^3.
     #[serde(rename = "absorbed_J_m3")]
     pub absorbed: f64,
-    /// Strain energy and plastic work of the whole bar just then, J (per m^2 where the scene gives no area).
+    /// Strain energy and plastic work of the whole bar at the time of the fracture, J (per m^2 if the scene gives no area).
     #[serde(rename = "bar_absorbed_J")]
     pub bar_absorbed: f64,
 }
@@ -227,66 +228,66 @@ impl From<&Rupture> for RuptureSummary {
     }
 }
 
-/// A front in the summary.
+/// Front in the summary.
 #[derive(Debug, Clone, Serialize)]
 pub struct FrontSummary {
-    /// Where it started.
+    /// Origin of the front.
     pub origin: String,
-    /// Strain ahead.
+    /// Strain ahead of the front.
     pub strain_ahead: f64,
-    /// Strain behind.
+    /// Strain behind the front.
     pub strain_behind: f64,
-    /// Pa.
+    /// Stress ahead of the front, Pa.
     #[serde(rename = "stress_ahead_Pa")]
     pub stress_ahead: f64,
-    /// Pa.
+    /// Stress behind the front, Pa.
     #[serde(rename = "stress_behind_Pa")]
     pub stress_behind: f64,
-    /// By theory, m/s.
+    /// Theoretical speed, m/s, positive in +x.
     #[serde(rename = "speed_m_s")]
     pub speed: f64,
-    /// Read off the field, m/s; null where it could not be followed.
+    /// Speed measured in the field, m/s; null if the front could not be followed.
     #[serde(rename = "speed_measured_m_s")]
     pub speed_measured: Option<f64>,
-    /// Where it was last seen, m from the left end; null where it never was.
+    /// Last known position, m from the left end; null if there is none.
     #[serde(rename = "position_m")]
     pub position: Option<f64>,
-    /// When that was.
+    /// Time of the last known position, s.
     pub last_seen_s: Option<f64>,
 }
 
-/// The elastic check, sigma = rho c0 v.
+/// Elastic check, sigma = rho c0 v.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct ElasticCheck {
     /// Simulated stress behind the front, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// rho c0 v with its sign, Pa.
+    /// Expected stress rho c0 v with its sign, Pa.
     #[serde(rename = "expected_Pa")]
     pub expected: f64,
-    /// |stress - expected| / |expected|.
+    /// Relative error |stress - expected| / |expected|.
     pub relative: f64,
 }
 
-/// What the ledger could not account for.
+/// Residuals of the ledger.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct LedgerSummary {
-    /// Largest energy residual of the run, relative.
+    /// Largest relative energy residual of the run.
     pub energy_residual: f64,
-    /// Largest momentum residual of the run, relative.
+    /// Largest relative momentum residual of the run.
     pub momentum_residual: f64,
 }
 
-/// An error figure.
+/// Error and what it refers to.
 #[derive(Debug, Clone, Serialize)]
 pub struct ErrorFigure {
-    /// The figure.
+    /// Value of the error.
     pub value: f64,
-    /// What was measured, e.g. "relative L1 of stress over the bar at the end time".
+    /// Measured quantity, e.g. "relative L1 of stress over the bar at the end time".
     pub measure: String,
-    /// Against what.
+    /// Reference against which the error is measured.
     pub reference: String,
-    /// Errors one by one, where they are known; the figure is the largest of them then.
+    /// Errors of all measures, if they are known; `value` is then the largest of them.
     #[serde(skip)]
     pub table: Option<ErrorTable>,
 }

@@ -1,24 +1,25 @@
-//! The temperature rise of a bar and its uncertainty.
+//! Temperature rise of a bar and its uncertainty.
 
 use super::AuditRow;
 use crate::material::{Material, Sense};
 
-/// Smallest uncertainty of the temperature that is reported, K: it softens common metals by less than 0.1 %.
+/// Smallest uncertainty of the temperature that is reported, K. A change of 1 K softens common metals by less than 0.1 %.
 const UNCERTAIN: f64 = 1.0;
 
-/// Fraction of the plastic strain that must have been reversed before a place counts as one that flowed in both senses.
+/// Fraction of the plastic strain that must have been reversed before a section counts as one that yielded in both senses.
 const BOTH_SENSES: f64 = 1e-6;
 
-/// The largest rise of some temperatures (K), each given with how far its place was above the reference temperature at t = 0, K; none where nothing
-/// heats the material.
+/// Returns the largest temperature rise, K. Each item holds the temperature of a place and its excess over the
+/// reference temperature at t = 0, K. Returns `None` if the material is not heated.
 pub fn largest_rise(material: &Material, temperatures: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let reference = material.heating.as_ref()?.reference_temperature;
     Some(temperatures.map(|(temperature, at_start)| temperature - (reference + at_start)).fold(0.0, f64::max))
 }
 
-/// A material with different curves in tension and compression some of whose places flowed in both senses, on its adiabatic
-/// curves: these give the temperature of flow in one sense only. Their true temperature lies between those of the
-/// two curves. `places` are accumulated and signed plastic strains.
+/// Reports sections that yielded in both senses, in a material with different curves in tension and compression on its
+/// adiabatic curves. These curves give the temperature of flow in one sense only; the true temperature lies between
+/// those of the two curves. `places` are pairs of accumulated and signed plastic strain. Returns `None` if the
+/// uncertainty is at most 1 K.
 pub fn flowed_both_ways(material: &Material, places: impl Iterator<Item = (f64, f64)>) -> Option<AuditRow> {
     let heating = material.heating.as_ref().filter(|heating| heating.warms())?;
     material.compression.as_ref()?;

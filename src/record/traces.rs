@@ -6,23 +6,23 @@ use crate::bar::SuddenLoad;
 use crate::solver::EndSample;
 use crate::solver::fd::{Log, Quantity, Sampling, between};
 
-/// Rows that are gathered before they are handed on.
+/// Number of rows that are collected before they are passed on.
 const BATCH: usize = 4096;
 
-/// Histories being gathered.
+/// Histories under construction.
 #[derive(Debug)]
 pub struct Traces {
     places: Sampling,
-    /// The cells that gauges read, increasing.
+    /// Indices of the cells that the gauges read, increasing.
     cells: Vec<usize>,
     gauges: Vec<Trace>,
     ends: [EndRows; 2],
-    /// Gauges read the temperature.
+    /// True if the gauges record the temperature.
     heat: bool,
 }
 
 impl Traces {
-    /// Gauges at the places of `places`, which read the temperature where there is `heat`, and both ends, which may be loaded suddenly.
+    /// Creates the histories of gauges at the places of `places`, with the temperature if `heat` is set, and of both ends with their sudden loads.
     pub fn new(places: Sampling, heat: bool, sudden: [Vec<SuddenLoad>; 2]) -> Self {
         let gauges = places.x().iter().map(|_| gauge(heat)).collect();
         let mut cells = places.cells_read();
@@ -31,17 +31,17 @@ impl Traces {
         Self { places, cells, gauges, ends: sudden.map(|load| EndRows::new(end(), load)), heat }
     }
 
-    /// The cells that gauges read, increasing.
+    /// Returns the indices of the cells that the gauges read, increasing.
     pub fn cells(&self) -> &[usize] {
         &self.cells
     }
 
-    /// True where a batch is full.
+    /// Returns true if a batch is full.
     pub fn is_full(&self) -> bool {
         self.ends[0].ready() >= BATCH
     }
 
-    /// Adds the state of a bar at a time (s) to every history; `value` is that of a quantity in a cell.
+    /// Adds the state of a bar at a time (s) to every history; `value` returns a quantity in a cell.
     pub fn add(&mut self, time: f64, ends: [EndSample; 2], value: impl Fn(Quantity, usize) -> f64) {
         for (rows, end) in self.ends.iter_mut().zip(ends) {
             rows.add(std::iter::once((time, end)));
@@ -58,7 +58,7 @@ impl Traces {
         }
     }
 
-    /// Adds what a bar logged, step by step, at these times (s).
+    /// Adds the states that a bar logged at each of its steps; `times` are the times of these steps, s.
     pub fn add_log(&mut self, times: &(impl ExactSizeIterator<Item = f64> + Clone), log: &Log<'_>) {
         for (rows, samples) in self.ends.iter_mut().zip(log.ends) {
             rows.add(times.clone().zip(samples.iter().copied()));
@@ -67,7 +67,7 @@ impl Traces {
             let (cell, weight) = self.places.point(k);
             let column = self.cells.partition_point(|&c| c < cell);
             let here = log.cells[column];
-            // Without weight nothing is read beyond.
+            // With zero weight the second cell is not read: it may not exist.
             let there = if weight == 0.0 { here } else { log.cells[column + 1] };
             trace.time.extend(times.clone());
             for step in 0..times.len() {
@@ -83,7 +83,7 @@ impl Traces {
         }
     }
 
-    /// Drops the rows from a time on, s, as far as they are not handed on yet.
+    /// Discards the rows from a time (s) onwards that have not been passed on yet.
     pub fn drop_from(&mut self, time: f64) {
         self.ends.iter_mut().for_each(|rows| rows.drop_from(time));
         for trace in &mut self.gauges {
@@ -94,22 +94,22 @@ impl Traces {
         }
     }
 
-    /// The ends have come to the end of their histories.
+    /// Completes the histories of the ends at the end of a run.
     pub fn close(&mut self) {
         self.ends.iter_mut().for_each(EndRows::close);
     }
 
-    /// What the ends still hold once everything is handed on, for a checkpoint.
+    /// Returns the incomplete histories of the ends that remain after [`Self::take`], for a checkpoint.
     pub fn waiting(&self) -> &[EndRows; 2] {
         &self.ends
     }
 
-    /// Takes over what [`Self::waiting`] gave.
+    /// Restores the histories returned by [`Self::waiting`].
     pub fn restore(&mut self, waiting: [EndRows; 2]) {
         self.ends = waiting;
     }
 
-    /// Hands on what was gathered since the last call: gauges in order, then the left and right end.
+    /// Returns the rows collected since the last call: the gauges in order, then the left and the right end.
     pub fn take(&mut self) -> (Vec<Trace>, [Trace; 2]) {
         let heat = self.heat;
         let gauges = self.gauges.iter_mut().map(|trace| std::mem::replace(trace, gauge(heat))).collect();
@@ -117,17 +117,17 @@ impl Traces {
     }
 }
 
-/// Room for a batch, and for the steps that go in one after it is full.
+/// Returns an empty column with capacity for a batch and for the steps that are added after it is full.
 fn column() -> Vec<f64> {
     Vec::with_capacity(BATCH + BATCH / 8)
 }
 
-/// An empty history of an end.
+/// Returns an empty history of an end.
 fn end() -> Trace {
     Trace { time: column(), stress: column(), velocity: column(), ..Trace::default() }
 }
 
-/// An empty history of a gauge.
+/// Returns an empty history of a gauge.
 fn gauge(heat: bool) -> Trace {
     Trace { strain: column(), temperature: if heat { column() } else { Vec::new() }, ..end() }
 }

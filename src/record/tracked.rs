@@ -1,4 +1,4 @@
-//! Access of the recorders to a front-tracking bar.
+//! Implementation of [`View`] for a front-tracking bar, and the histories of its ends.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::solver::moc::{EndStep, FrontTracking};
 use crate::wave::riemann::{Medium, Point};
 
 impl View for FrontTracking {
-    /// Increasing, m from the left end.
+    /// Sample places, m from the left end, increasing.
     type Places = [f64];
 
     fn time(&self) -> f64 {
@@ -88,18 +88,18 @@ impl View for FrontTracking {
     }
 }
 
-/// The steps of both ends, handed on as they happen: two rows a step, before and after it, so that a straight line
-/// between rows draws the step.
+/// Histories of both ends, passed on as their steps occur: two rows per step, before and after it, so that linear
+/// interpolation between rows reproduces the step.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct EndHistories {
-    /// Steps handed on so far.
+    /// Number of steps passed on so far.
     taken: [usize; 2],
-    /// The last of them.
+    /// Last step passed on.
     last: [Option<EndStep>; 2],
 }
 
 impl EndHistories {
-    /// The rows since the last call, left and right end.
+    /// Returns the rows since the last call, of the left and the right end.
     pub fn take(&mut self, bar: &FrontTracking) -> [Trace; 2] {
         let records = bar.ends();
         std::array::from_fn(|side| {
@@ -112,7 +112,7 @@ impl EndHistories {
             };
             for k in self.taken[side]..steps.len() {
                 let step = steps[k];
-                // What another step follows at once lasts no time.
+                // A step that is followed by another one at the same time has zero duration.
                 if steps.get(k + 1).is_some_and(|next| next.time == step.time) {
                     continue;
                 }
@@ -127,7 +127,7 @@ impl EndHistories {
         })
     }
 
-    /// The last row of each history, at the end of the run: what held since the last step.
+    /// Returns the last row of each history at the end of the run: the state since the last step.
     pub fn last(bar: &FrontTracking) -> [Trace; 2] {
         View::ends(bar).map(|end| Trace {
             time: vec![bar.time()],

@@ -1,5 +1,4 @@
-//! The front table of a front-tracking bar: the initial fans edge by edge, and all active fronts at the end time. Positions, times
-//! and speeds are exact.
+//! Front table of a front-tracking bar: the initial fans edge by edge, and all active fronts at the end time. Positions, times and speeds are exact.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,28 +7,28 @@ use crate::bar::{Driver, InitialFan};
 use crate::solver::moc::{FrontSegment, FrontTracking};
 use crate::wave::similarity::Edge;
 
-/// Origin of a front that is no edge of a first fan: it began later, at an end, a joint, or where others met.
+/// Origin of a front that is not an edge of an initial fan: it started later, at an end or a joint, or where other fronts met.
 pub const INTERIOR: &str = "interior";
 
-/// Stresses closer than this part of the stress scale are one level: the edges of theory and the tracked fronts are
-/// computed in two ways from one table.
+/// Difference, relative to the stress scale, up to which two stresses are equal: the theoretical edges and the tracked
+/// fronts are computed from one table in two ways.
 const SAME_LEVEL: f64 = 1e-9;
 
-/// The same of the fan of a body, which the bar slows down in the first step.
+/// The same tolerance for the fan of a striking body, which the bar slows down in the first step.
 const SLOWED_LEVEL: f64 = 1e-4;
 
-/// Most rows of `/paths`: about 100 MB.
+/// Largest number of rows of `/paths`, about 100 MB.
 const MOST_PATHS: usize = 2_000_000;
 
-/// Keeps what the front table needs of the front segments.
+/// Front segments that the front table needs.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub struct TrackedFronts {
-    /// Front segments that began at t = 0 and have ended, with those that continue them.
+    /// Front segments that started at t = 0 and have ended, each extended by the segments that continue it.
     first: Vec<FrontSegment>,
 }
 
 impl TrackedFronts {
-    /// Takes in front segments that ended.
+    /// Adds front segments that have ended.
     pub fn collect(&mut self, ended: &[FrontSegment]) {
         for piece in ended {
             if piece.t[0] == 0.0 {
@@ -40,14 +39,14 @@ impl TrackedFronts {
         }
     }
 
-    /// Takes in a segment that continues one of these; false where none.
+    /// Extends the segment that `piece` continues; returns false if there is none.
     fn lengthen(&mut self, piece: &FrontSegment) -> bool {
         let before = self.first.iter_mut().find(|before| continues(piece, before));
         let found = before.map(|before| (before.t[1], before.x[1]) = (piece.t[1], piece.x[1]));
         found.is_some()
     }
 
-    /// The table, with arrival times at gauges (name, place in m) of each front's straight life.
+    /// Returns the front table, with the arrival times of each front at gauges (name, place in m) along its straight segment.
     pub fn rows(&self, bar: &FrontTracking, initial_fans: &[InitialFan], gauges: &[(String, f64)]) -> Vec<FrontRow> {
         let mut ended = Self { first: self.first.clone() };
         let living: Vec<FrontSegment> = bar.living_front_segments().filter(|piece| !ended.lengthen(piece)).collect();
@@ -69,7 +68,7 @@ impl TrackedFronts {
     }
 }
 
-/// A segment begins where another one ended, with the same speed and stresses: as where a wave behind a front only came near it.
+/// Returns true if a segment starts where another one ended, with the same speed and stresses, as if a wave behind a front only came near it.
 fn continues(piece: &FrontSegment, before: &FrontSegment) -> bool {
     let same = |a: f64, b: f64| (a - b).abs() <= SAME_LEVEL * (a.abs() + b.abs());
     piece.t[0] == before.t[1]
@@ -79,7 +78,7 @@ fn continues(piece: &FrontSegment, before: &FrontSegment) -> bool {
         && same(piece.behind.stress, before.behind.stress)
 }
 
-/// Whether a piece is this edge of this fan.
+/// Returns true if a segment is this edge of this fan.
 fn is_edge(bar: &FrontTracking, initial_fan: &InitialFan, edge: &Edge, piece: &FrontSegment) -> bool {
     let sign = initial_fan.sense.sign();
     let level = if initial_fan.driver == Driver::Body { SLOWED_LEVEL } else { SAME_LEVEL };
@@ -128,12 +127,12 @@ fn front_row(bar: &FrontTracking, piece: &FrontSegment, gauges: &[(String, f64)]
     }
 }
 
-/// m/s, positive in +x; NaN for a front that has only just begun.
+/// Returns the speed, m/s, positive in +x; NaN for a front that has only just started.
 fn speed(piece: &FrontSegment) -> f64 {
     (piece.x[1] - piece.x[0]) / (piece.t[1] - piece.t[0])
 }
 
-/// When a front passed a place, s; NaN where it did not.
+/// Returns the time at which a front passed a place, s; NaN if it did not.
 fn arrival(piece: &FrontSegment, x: f64) -> f64 {
     let [from, to] = piece.x;
     if x < from.min(to) || x > from.max(to) || from == to {
@@ -142,10 +141,10 @@ fn arrival(piece: &FrontSegment, x: f64) -> f64 {
     piece.t[0] + (x - from) / (to - from) * (piece.t[1] - piece.t[0])
 }
 
-/// Makes the rows of `/paths`, up to a limit.
+/// Generator of the rows of `/paths`, up to a maximum number.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Paths {
-    /// Rows that may still come.
+    /// Number of rows that may still be added.
     room: usize,
     left_out: bool,
 }
@@ -157,7 +156,7 @@ impl Default for Paths {
 }
 
 impl Paths {
-    /// Rows for front segments: those that lasted for a time.
+    /// Returns the rows of front segments with a positive duration.
     pub fn rows(&mut self, front_segments: impl Iterator<Item = FrontSegment>) -> Vec<PathRow> {
         let mut lasting = front_segments.filter(|t| t.t[1] > t.t[0]).map(|t| row(&t));
         let rows: Vec<PathRow> = lasting.by_ref().take(self.room).collect();
@@ -166,7 +165,7 @@ impl Paths {
         rows
     }
 
-    /// Whether every piece so far has its row.
+    /// Returns true if every segment so far has its row.
     pub fn complete(&self) -> bool {
         !self.left_out
     }
@@ -196,7 +195,7 @@ mod tests {
     #[test]
     fn paths_past_the_limit_are_left_out_and_said_to_be() {
         let mut paths = Paths { room: 3, left_out: false };
-        // What lasts no time is no path, and takes no room.
+        // A segment of zero duration has no row and does not count.
         let rows = paths.rows([piece(0.0, 1.0), piece(1.0, 1.0), piece(1.0, 3.0)].into_iter());
         assert_eq!(
             rows.iter().map(|r| (r.t0, r.t1, r.stress_jump, r.speed)).collect::<Vec<_>>(),

@@ -1,4 +1,4 @@
-//! Access of the recorders to a simulated bar, independent of the solver.
+//! Interface of the recorders to a simulated bar, independent of the solver.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,75 +7,75 @@ use crate::bar::joint::Pressed;
 use crate::law::rupture::Rupture;
 use crate::solver::{EndState, Energies};
 
-/// A simulated bar at its current time.
+/// Simulated bar at its current time.
 pub trait View {
-    /// Sample places in the form in which this solver reads them.
+    /// Sample places, in the form in which this solver reads them.
     type Places: ?Sized;
 
-    /// Time, s.
+    /// Returns the current time, s.
     fn time(&self) -> f64;
 
-    /// A field at every place, into `out` (one entry a place).
+    /// Writes a field at every place into `out` (one entry per place).
     fn sample(&self, field: Field, places: &Self::Places, out: &mut [f64]);
 
-    /// Passes on the centre (m) and the strain of every part of the bar with a state of its own: cells, or what lies between fronts.
+    /// Calls `each` with the centre (m) and the strain of every part of the bar that has a state of its own: a cell, or a section between two fronts.
     fn strains(&self, each: &mut dyn FnMut(f64, f64));
 
-    /// The left and the right end now.
+    /// Returns the current state of the left and the right end.
     fn ends(&self) -> [EndState; 2];
 
-    /// Velocity of the striker at the left and the right end, m/s; none where there is none.
+    /// Returns the velocity of the striker at the left and the right end, m/s; `None` without a striker.
     fn strikers(&self) -> [Option<f64>; 2] {
         [None; 2]
     }
 
-    /// The joints that can open, if the solver advances in time steps.
+    /// Returns the joints that can open; empty unless the solver advances in time steps.
     fn contacts(&self) -> Vec<ContactReading> {
         Vec::new()
     }
 
-    /// Where and when the bar broke so far, in order of time.
+    /// Returns the fractures of the bar so far, in order of time.
     fn ruptures(&self) -> &[Rupture] {
         &[]
     }
 
-    /// The initial energy and momentum; called once, before the first step.
+    /// Returns the initial energy and momentum; called once, before the first step.
     fn start(&self) -> Start;
 
-    /// What is in the bar and what came in through its ends, now.
+    /// Returns the energies and momentum in the bar, and what its ends have contributed, at the current time.
     fn account(&self) -> Account;
 }
 
-/// A joint that can open.
+/// Reading of a joint that can open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactReading {
-    /// Behind this segment, counted from 0.
+    /// Index of the segment to the left of the joint, counted from 0.
     pub joint: usize,
-    /// A force passes.
+    /// True if the joint transmits a force.
     pub presses: bool,
-    /// What the faces carried.
+    /// Force history of the faces so far.
     pub pressed: Pressed,
 }
 
-/// A bar before its first step, with its initial velocities and stresses.
+/// State of a bar before its first step, with its initial velocities and stresses.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Start {
-    /// Of motion and strain, J (per m^2 where the scene gives no area), like all energies here.
+    /// Kinetic and strain energy, J (per m^2 if the scene gives no area, as for all quantities of this struct).
     pub energy: f64,
-    /// N s, positive in +x.
+    /// Momentum, N s, positive in +x.
     pub momentum: f64,
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
 }
 
-/// Energies (J) and momentum (N s) of a bar at a moment, and what its ends gave to it since the start.
+/// Energies (J) and momentum (N s) of a bar at one time, and the contributions of its ends since the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Account {
-    /// What is in the bar.
+    /// Energies and momentum in the bar.
     pub energies: Energies,
-    /// Work of the left and the right end.
+    /// Work done on the bar by the left and the right end.
     pub work: [f64; 2],
-    /// Impulse of the left and the right end, positive in +x.
+    /// Impulse given to the bar by the left and the right end, positive in +x.
     pub impulse: [f64; 2],
     /// Impulse of distributed forces: external damping and a foundation.
     pub impulse_along: f64,

@@ -1,20 +1,20 @@
-//! A framed plot with its axes and its position in a panel.
+//! A framed plot: its axes and its position in a panel.
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Area, BORDER, Drawing, FINE, GRID, Stroke, text_width};
 use super::html::escape;
 
-/// Text sizes, px.
+/// Font sizes, px.
 pub(super) const TICK: f64 = 12.0;
 const LABEL: f64 = 13.0;
 const TITLE: f64 = 14.5;
-/// Room around the plot of a panel, px.
+/// Margins around the plot of a panel, px.
 pub(super) const LEFT: f64 = 72.0;
 const BOTTOM: f64 = 46.0;
 pub(super) const TOP: f64 = 26.0;
 pub(super) const LEGEND_ROW: f64 = 18.0;
 
-/// A framed plot: where it stands and its axes.
+/// Framed plot: its position and its axes.
 #[derive(Debug, Clone)]
 pub(super) struct Frame {
     pub plot: Area,
@@ -23,13 +23,13 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Where a point stands.
+    /// Returns the position of a data point in the drawing, px.
     pub fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
         let (across, up) = (self.x.part(x), self.y.part(y));
         (self.plot.x + across * self.plot.width, self.plot.bottom() - up * self.plot.height)
     }
 
-    /// Border, ticks and labels; grid lines where asked for.
+    /// Draws border, ticks and labels, and grid lines if `grid` is true.
     pub fn draw(&self, drawing: &mut Drawing, grid: bool) {
         let (ticks, power) = self.x.labelled((self.plot.width / 62.0).max(2.0) as usize);
         let (grid_line, tick_line) = (Stroke::new(GRID, 1.0), Stroke::new(BORDER, 1.0));
@@ -50,7 +50,7 @@ impl Frame {
         drawing.frame(self.plot, &tick_line, self.attributes());
     }
 
-    /// What a script needs to tell what the plot's pixels mean.
+    /// Returns SVG attributes from which a script can convert pixels of the plot to values.
     fn attributes(&self) -> String {
         let axis = |name: &str, axis: &Axis| {
             let kind = if axis.is_logarithmic() { " log" } else { "" };
@@ -64,7 +64,7 @@ impl Frame {
         format!(" class=\"plot\"{}{}", axis("x", &self.x), axis("y", &self.y))
     }
 
-    /// The pale lines of logarithmic axes.
+    /// Draws the pale grid lines of logarithmic axes.
     fn draw_fine(&self, drawing: &mut Drawing) {
         let fine = Stroke::new(FINE, 0.8);
         for x in self.x.fine() {
@@ -90,14 +90,14 @@ impl Frame {
             drawing.text((self.plot.x - 8.0, y + 4.0), TICK, Anchor::End, &label);
         }
         let middle = self.plot.y + self.plot.height / 2.0;
-        // In line with those of other plots, unless the ticks have long labels.
+        // Aligned with the labels of other plots, unless the ticks have long labels.
         let room = (LEFT - 14.0).max(widest + 17.0);
         drawing.upright((self.plot.x - room, middle), LABEL, &self.y.full_label(power));
     }
 }
 
 impl Frame {
-    /// The upright axis on the right side, for a colour bar.
+    /// Draws the vertical axis on the right side, for a colour bar.
     pub fn draw_right(&self, drawing: &mut Drawing) {
         let stroke = Stroke::new(BORDER, 1.0);
         let mut widest = 0.0_f64;
@@ -114,13 +114,13 @@ impl Frame {
     }
 }
 
-/// The plot of a panel: what is left when titles, legend rows and axis labels have their room.
+/// Returns the area of the plot in a panel: the panel without title, legend rows and axis labels.
 pub(super) fn plot_area(panel: Area, legend_rows: usize, right: f64) -> Area {
     let top = TOP + LEGEND_ROW * legend_rows as f64;
     Area { x: panel.x + LEFT, y: panel.y + top, width: panel.width - LEFT - right, height: panel.height - top - BOTTOM }
 }
 
-/// Title above the plot.
+/// Draws the title above the plot.
 pub(super) fn title(drawing: &mut Drawing, panel: Area, text: &str) {
     drawing.bold((panel.x + LEFT, panel.y + 16.0), TITLE, Anchor::Start, text);
 }

@@ -1,6 +1,6 @@
-//! Axes: linear and logarithmic, with ticks at round numbers.
+//! Linear and logarithmic axes with ticks at round numbers.
 
-/// An axis, linear or logarithmic.
+/// Axis of a plot, linear or logarithmic.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     pub label: String,
@@ -10,18 +10,18 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// An axis from `low` to `high`; where that is no length (one frame, nothing but zeros) it is one unit long.
+    /// Creates a linear axis from `low` to `high`. If the interval has no length (one frame, only zeros), the axis is one unit long.
     pub fn new(label: impl Into<String>, low: f64, high: f64) -> Self {
         let high = if high - low > 1e-290 { high } else { low + 1.0 };
         Self { label: label.into(), low, high, logarithmic: false }
     }
 
-    /// A logarithmic axis from `low` to `high`, 0 < low < high.
+    /// Creates a logarithmic axis from `low` to `high`, 0 < low < high.
     pub fn logarithmic(label: impl Into<String>, low: f64, high: f64) -> Self {
         Self { label: label.into(), low, high, logarithmic: true }
     }
 
-    /// A logarithmic axis around positive values, a factor of room at either end.
+    /// Creates a logarithmic axis that contains all positive values, with a margin of a constant factor at either end.
     pub fn logarithmic_around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
         const ROOM: f64 = 1.3;
         let positive = values.filter(|v| v.is_finite() && *v > 0.0);
@@ -29,12 +29,12 @@ impl Axis {
         if high > 0.0 { Self::logarithmic(label, low / ROOM, high * ROOM) } else { Self::logarithmic(label, 1.0, 10.0) }
     }
 
-    /// True for a logarithmic axis.
+    /// Returns true if the axis is logarithmic.
     pub fn is_logarithmic(&self) -> bool {
         self.logarithmic
     }
 
-    /// Part of the axis below a value.
+    /// Returns the position of a value along the axis: 0 at the low end, 1 at the high end.
     pub fn part(&self, value: f64) -> f64 {
         if self.logarithmic {
             return (value / self.low).ln() / (self.high / self.low).ln();
@@ -42,7 +42,7 @@ impl Axis {
         (value - self.low) / (self.high - self.low)
     }
 
-    /// Ticks with their labels, and the power of ten taken out of these.
+    /// Returns the ticks with their labels, and the power of ten that is factored out of the labels.
     pub fn labelled(&self, count: usize) -> (Vec<(f64, String)>, i32) {
         if let Some(labels) = self.decades() {
             return (labels, 0);
@@ -51,8 +51,9 @@ impl Axis {
         (ticks.into_iter().map(|tick| (tick, tick_label(tick, step, power))).collect(), power)
     }
 
-    /// Labels of a logarithmic axis: at the decades; over fewer than two of them at 1, 2 and 5 in each, or at every digit where these are fewer than
-    /// three. None where the digits are, too: the axis is so short that the ticks of a linear one serve.
+    /// Returns the labels of a logarithmic axis: at the decades; if the axis covers less than two decades, at 1, 2 and 5 times powers of ten, or
+    /// at every digit if these are fewer than three. Returns `None` for a linear axis, and if even the digits are fewer than three: such a short
+    /// axis gets the ticks of a linear one.
     fn decades(&self) -> Option<Vec<(f64, String)>> {
         if !self.logarithmic {
             return None;
@@ -70,7 +71,7 @@ impl Axis {
         Some(labelled.map(label).collect())
     }
 
-    /// Digits times powers of ten on a logarithmic axis.
+    /// Returns the multiples 1 to 9 of all powers of ten on a logarithmic axis: digit, power and value.
     fn digits(&self) -> impl Iterator<Item = (u32, i32, f64)> {
         let (low, high) = (self.low * (1.0 - 1e-9), self.high * (1.0 + 1e-9));
         let powers = self.low.log10().floor() as i32..=self.high.log10().floor() as i32;
@@ -79,12 +80,13 @@ impl Axis {
         all.filter(move |(.., value)| (low..=high).contains(value))
     }
 
-    /// Fine grid lines between the labels: every digit of a logarithmic axis.
+    /// Returns the positions of fine grid lines between the labels: every digit of a logarithmic axis, none on a linear one.
     pub fn fine(&self) -> Vec<f64> {
         if self.logarithmic { self.digits().map(|(.., value)| value).collect() } else { Vec::new() }
     }
 
-    /// An axis that holds all values with a little room; a single value gets room around it.
+    /// Creates a linear axis that contains all finite values with a margin of 5 % at either end. For a single value, the margin is half its
+    /// magnitude, or 1 if it is zero.
     pub fn around(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values.filter(|v| v.is_finite()) {
@@ -104,10 +106,10 @@ impl Axis {
         Self::new(label, low - room, high + room)
     }
 
-    /// Round tick values, about `count` of them and at least two, on a logarithmic axis three, and the power of ten taken out of
-    /// their labels.
+    /// Returns round tick values, their step, and the power of ten that is factored out of their labels. There are about `count` ticks, but at
+    /// least two, and at least three on a logarithmic axis.
     fn ticks(&self, count: usize) -> (Vec<f64>, f64, i32) {
-        /// From so many ticks on a finer step does not help: the axis is too short for its numbers.
+        /// Number of ticks from which a finer step does not help, because the axis is too short for the precision of its numbers.
         const ENOUGH: usize = 16;
         let step = round_step((self.high - self.low) / count as f64);
         let first = (self.low / step - 1e-9).ceil() as i64;
@@ -127,18 +129,18 @@ impl Axis {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, at least `raw`.
+/// Returns 1, 2 or 5 times a power of ten, at least `raw`.
 fn round_step(raw: f64) -> f64 {
     let power = 10_f64.powi(raw.log10().floor() as i32);
     [1.0, 2.0, 5.0, 10.0].iter().map(|m| m * power).find(|step| *step >= raw * 0.999).unwrap_or(10.0 * power)
 }
 
-/// A tick's label: as many decimals as the step needs.
+/// Returns the label of a tick with as many decimals as the step needs.
 fn tick_label(value: f64, step: f64, power: i32) -> String {
     let scale = 10_f64.powi(-power);
     let decimals = (-(step * scale).log10().floor()).clamp(0.0, 12.0) as usize;
     let text = format!("{:.decimals$}", value * scale);
-    // A minus before zero comes from rounding; the typographic minus is as wide as a digit.
+    // A minus sign before zero comes from rounding; the typographic minus is as wide as a digit.
     let zero = text.trim_start_matches('-').chars().all(|c| c == '0' || c == '.');
     if zero { text.trim_start_matches('-').into() } else { text.replace('-', "\u{2212}") }
 }
@@ -189,7 +191,7 @@ mod tests {
         assert!(around.low < 200.0 && around.low > 100.0 && around.high > 5000.0);
     }
 
-    /// Axes of front speeds in ft/s had a single label.
+    /// Every axis of front speeds in ft/s has at least three labels.
     #[test]
     fn logarithmic_axes_of_any_length_have_three_labels() {
         for k in 0..200 {

@@ -1,5 +1,5 @@
-//! A picture as outlines that are filled and lines that are drawn: what PNG and PDF share. Letters are those of `DejaVu Sans`, which is part of
-//! the program, so that pictures look the same on a machine without fonts.
+//! Decomposes a picture into filled outlines and stroked lines, for PNG and PDF. Text is drawn with `DejaVu Sans`, which is part of the
+//! program, so that pictures look the same on a machine without fonts.
 
 use tiny_skia::{LineJoin, Path, PathBuilder, Pixmap, Rect, Transform};
 use ttf_parser::{Face, OutlineBuilder};
@@ -7,29 +7,29 @@ use ttf_parser::{Face, OutlineBuilder};
 use super::colour::rgb;
 use super::drawing::{Anchor, Area, EDGE, Element, INK, PAPER, Picture, Shape, Stroke, Text, TextStyle, is_finite};
 
-/// Why a picture cannot be drawn, in a sentence.
+/// Sentence that states why a picture cannot be drawn.
 pub(super) type Reason = String;
 
-/// What a picture can be drawn on.
+/// Target that a picture can be drawn on.
 pub(super) trait Canvas {
     fn fill(&mut self, path: &Path, colour: [u8; 3]);
     fn draw(&mut self, path: &Path, line: &Line);
-    /// Stretched over the area.
+    /// Draws an image stretched over the area.
     fn image(&mut self, area: &Area, pixels: Pixmap);
-    /// What follows is cut at the area's edges.
+    /// Starts a clipping region: everything drawn until [`Canvas::unclip`] is cut at the edges of the area.
     fn clip(&mut self, area: &Area);
-    /// Up to here.
+    /// Ends the clipping region that was started last.
     fn unclip(&mut self);
 }
 
-/// How a line is drawn.
+/// Style of a stroked line.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub colour: [u8; 3],
-    /// 0 to 1.
+    /// Opacity, 0 to 1.
     pub opacity: f32,
     pub width: f32,
-    /// Lengths of dashes and gaps; empty for a full line.
+    /// Lengths of dashes and gaps; empty for a solid line.
     pub dashes: Vec<f32>,
     pub join: LineJoin,
 }
@@ -37,7 +37,7 @@ pub(super) struct Line {
 /// Draws a picture.
 ///
 /// # Errors
-/// A part that cannot be drawn.
+/// A sentence with the reason, if an element cannot be drawn.
 pub(super) fn draw(picture: &Picture, canvas: &mut impl Canvas) -> Result<(), Reason> {
     elements(&picture.elements, canvas)
 }
@@ -77,7 +77,7 @@ fn line(stroke: &Stroke, shape: &Shape) -> Result<Line, Reason> {
     })
 }
 
-/// The outline of a shape; none where there is nothing of it.
+/// Returns the outline of a shape, or `None` if it is empty.
 fn outline(shape: &Shape) -> Option<Path> {
     match shape {
         Shape::Rect(area) => rect(area).map(PathBuilder::from_rect),
@@ -88,12 +88,12 @@ fn outline(shape: &Shape) -> Option<Path> {
     }
 }
 
-/// An area that is larger than nothing.
+/// Returns the rectangle of an area, or `None` if the area is invalid, such as one of negative size.
 pub(super) fn rect(area: &Area) -> Option<Rect> {
     Rect::from_xywh(area.x as f32, area.y as f32, area.width as f32, area.height as f32)
 }
 
-/// Straight lines through points; one that is not finite interrupts them.
+/// Returns straight lines through points; a point that is not finite interrupts them.
 fn through(points: &[(f64, f64)], closed: bool) -> Option<Path> {
     let (mut path, mut pen_down) = (PathBuilder::new(), false);
     for point in points {
@@ -127,7 +127,7 @@ fn write(text: &Text, canvas: &mut impl Canvas) -> Result<(), Reason> {
     Ok(())
 }
 
-/// The outlines of a text's letters; none where it is blank.
+/// Returns the outlines of the letters of a text, or `None` if it is blank.
 fn letters(text: &Text) -> Result<Option<Path>, Reason> {
     let font = match text.style {
         TextStyle::Plain | TextStyle::Upright => dejavu::sans::regular(),
@@ -135,10 +135,10 @@ fn letters(text: &Text) -> Result<Option<Path>, Reason> {
     };
     let font = Face::parse(font, 0).map_err(|e| e.to_string())?;
     let mut pen = Pen { path: PathBuilder::new(), x: 0.0 };
-    // As in SVG, spaces in a row are one.
+    // As in SVG, consecutive spaces count as one.
     let words: Vec<&str> = text.letters.split_whitespace().collect();
     for letter in words.join(" ").chars() {
-        // A letter that the font lacks is its empty box.
+        // A character that the font lacks is drawn as the empty box of the font.
         let glyph = font.glyph_index(letter).unwrap_or_default();
         font.outline_glyph(glyph, &mut pen);
         pen.x += f32::from(font.glyph_hor_advance(glyph).unwrap_or_default());
@@ -155,10 +155,10 @@ fn letters(text: &Text) -> Result<Option<Path>, Reason> {
     Ok(pen.path.finish().and_then(|path| path.transform(place)))
 }
 
-/// Writes letters one after another on a line that begins at the origin, in the units of the font, in which y is upwards.
+/// Appends the outlines of letters along a baseline that starts at the origin, in font units, in which y points up.
 struct Pen {
     path: PathBuilder,
-    /// Where the letter stands.
+    /// Position of the current letter on the baseline, font units.
     x: f32,
 }
 
@@ -188,7 +188,7 @@ impl OutlineBuilder for Pen {
 mod tests {
     use super::*;
 
-    /// Text written at (100, 50).
+    /// Returns a text written at (100, 50).
     fn written(anchor: Anchor, style: TextStyle, text: &str) -> Option<Rect> {
         let text = Text { at: (100.0, 50.0), size: 12.0, anchor, style, letters: text.into() };
         letters(&text).expect("the font").map(|path| path.bounds())

@@ -1,15 +1,15 @@
-//! Colour maps: one sequential, one diverging.
+//! Colour maps, one sequential and one diverging, and conversions of colours.
 
-/// A colour map over 0..=1.
+/// Colour map over 0..=1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ColourMap {
-    /// Dark blue to yellow, even in lightness (viridis): for values of one sign.
+    /// Dark blue to yellow with uniform change in lightness (viridis): for values of one sign.
     Sequential,
-    /// Blue to white to red: for signed values, zero in the middle.
+    /// Blue to white to red: for signed values, with zero in the middle.
     Diverging,
 }
 
-/// viridis at nine even steps.
+/// Colours of viridis at nine equidistant positions.
 const VIRIDIS: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],
@@ -22,7 +22,7 @@ const VIRIDIS: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// Blue, white, red at nine even steps (Brewer's `RdBu`, reversed, with white in the middle).
+/// Blue, white, red at nine equidistant positions (Brewer's `RdBu`, reversed, with white in the middle).
 const BLUE_RED: [[u8; 3]; 9] = [
     [5, 48, 97],
     [33, 102, 172],
@@ -36,7 +36,7 @@ const BLUE_RED: [[u8; 3]; 9] = [
 ];
 
 impl ColourMap {
-    /// Colour of a place on the map; what is not a number is grey.
+    /// Returns the colour at a position on the map, clamped to 0..=1; NaN is grey.
     pub fn at(self, place: f64) -> [u8; 3] {
         if place.is_nan() {
             return [190, 190, 190];
@@ -55,7 +55,7 @@ impl ColourMap {
     }
 }
 
-/// The bytes of `rrggbb` or `rgb`.
+/// Returns the red, green and blue bytes of a hexadecimal colour `rrggbb` or `rgb` (without `#`).
 pub(super) fn bytes(colour: &str) -> Option<[u8; 3]> {
     let number = u32::from_str_radix(colour, 16).ok()?;
     match colour.len() {
@@ -65,10 +65,10 @@ pub(super) fn bytes(colour: &str) -> Option<[u8; 3]> {
     }
 }
 
-/// Red, green and blue of a colour as SVG names it.
+/// Returns red, green and blue of a colour as it is written in SVG.
 ///
 /// # Errors
-/// One sentence: a name that no figure uses.
+/// A sentence, if the colour is neither `black`, `white` nor hexadecimal.
 pub(super) fn rgb(colour: &str) -> Result<[u8; 3], String> {
     match colour {
         "black" => Ok([0; 3]),
@@ -77,24 +77,24 @@ pub(super) fn rgb(colour: &str) -> Result<[u8; 3], String> {
     }
 }
 
-/// `#rrggbb`.
+/// Returns the colour as `#rrggbb`.
 pub(super) fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Values and how they are coloured.
+/// Interval of values with its colour map.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Range {
     pub low: f64,
     pub high: f64,
     pub map: ColourMap,
-    /// The largest magnitude is `low`: the map runs from `high` to `low`.
+    /// True if the value of largest magnitude is `low`: the map then runs from `high` to `low`.
     pub reversed: bool,
 }
 
 impl Range {
-    /// Both signs present (the smaller at least a twentieth of the larger): diverging around zero. Otherwise
-    /// sequential from the one to the other.
+    /// Chooses the map for values from `low` to `high`: diverging around zero if both signs are present (the smaller magnitude at least a
+    /// twentieth of the larger one), otherwise sequential from the smaller to the larger magnitude.
     pub fn of(low: f64, high: f64) -> Self {
         let largest = high.max(-low);
         if !(high > low && largest.is_finite()) {
@@ -107,7 +107,7 @@ impl Range {
         Self { low, high, map: ColourMap::Sequential, reversed: -low > high }
     }
 
-    /// Colour of a value.
+    /// Returns the colour of a value.
     pub fn colour(&self, value: f64) -> [u8; 3] {
         let place = (value - self.low) / (self.high - self.low);
         self.map.at(if self.reversed { 1.0 - place } else { place })

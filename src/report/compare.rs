@@ -1,4 +1,4 @@
-//! Figure of a comparison of materials: curves, front speeds and impact velocities, and the critical velocities as sorted bars.
+//! Figure of a comparison of materials: curves, front speeds, impact velocities, and sorted bars of the critical velocities.
 
 use super::axes::{Frame, plot_area, title};
 use super::axis::Axis;
@@ -13,27 +13,27 @@ const PERCENT: f64 = 0.01;
 const WIDTH: f64 = 1240.0;
 const MARGIN: f64 = 16.0;
 const HEIGHT: f64 = 400.0;
-/// Of a bar with its name, px.
+/// Height of a row with a bar and its name, px.
 const ROW: f64 = 20.0;
 const SMALL: f64 = 11.0;
 
-/// Dash patterns, full first; each serves as many lines as there are colours.
+/// Dash patterns, the solid line first; each is used for as many lines as there are colours.
 const DASHES: [&str; 5] = ["", "7 3", "2 3", "9 3 2 3", "12 4"];
 
-/// Slowest front that is shown, as a part of the fastest.
+/// Slowest front speed that is shown, relative to the fastest.
 const SLOWEST: f64 = 1e-3;
 
-/// A material with its place among all.
+/// Material with its rank and its line style.
 struct Line<'a> {
     material: &'a Compared,
-    /// From 1, by critical velocity.
+    /// Rank by critical velocity, from 1.
     number: usize,
     stroke: Stroke,
 }
 
-/// Curves, front speeds and impact velocities against strain, the ultimate points marked, and sorted critical velocities. SVG text.
+/// Draws stress, front speed and impact velocity against strain with marks at the ultimate points, and the sorted critical velocities.
 ///
-/// Lines differ in colour and dash, and carry the numbers of the bars at their ends.
+/// Lines differ in colour and dash pattern; the number at the end of each line is that of its bar.
 pub fn figure(materials: &[Compared], units: System) -> Picture {
     let velocity = units.of_columns(Dimension::Velocity);
     let lines = lines(materials);
@@ -53,7 +53,7 @@ pub fn figure(materials: &[Compared], units: System) -> Picture {
     drawing.finish(WIDTH, HEIGHT + second + 3.0 * MARGIN)
 }
 
-/// Materials by critical velocity, the largest first; those without one last.
+/// Returns the materials sorted by critical velocity, the largest first; those without one come last.
 fn lines(materials: &[Compared]) -> Vec<Line<'_>> {
     let mut order: Vec<usize> = (0..materials.len()).collect();
     let velocity = |i: usize| materials[i].critical.critical_velocity_m_s.unwrap_or(f64::NEG_INFINITY);
@@ -66,7 +66,7 @@ fn lines(materials: &[Compared]) -> Vec<Line<'_>> {
     order.into_iter().enumerate().map(line).collect()
 }
 
-/// A framed panel of lines with their numbers at the ends, and marks.
+/// Draws a framed panel of lines with their numbers at the ends, and marks.
 fn panel(drawing: &mut Drawing, place: Area, heading: &str, [x, y]: [Axis; 2], series: &[Series], numbers: &[usize]) {
     let frame = Frame { plot: plot_area(place, 0, 30.0), x, y };
     title(drawing, place, heading);
@@ -81,7 +81,7 @@ fn panel(drawing: &mut Drawing, place: Area, heading: &str, [x, y]: [Axis; 2], s
     }
 }
 
-/// A number beside the end of its line, above or below where others stand already, and inside the height of the plot.
+/// Writes a number beside the end of its line, inside the height of the plot, and shifted up or down if that place is taken.
 fn label(drawing: &mut Drawing, plot: Area, (x, y): (f64, f64), text: &str, colour: &str, taken: &mut Vec<Area>) {
     let (width, height) = (text_width(text, SMALL), SMALL);
     let overlaps = |a: &Area, b: &Area| a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom();
@@ -98,7 +98,7 @@ fn label(drawing: &mut Drawing, plot: Area, (x, y): (f64, f64), text: &str, colo
     }
 }
 
-/// Marks at points of some materials, in their colours.
+/// Returns marks at a point of each material that has one, in the colour of its line.
 fn marks(lines: &[Line], point: impl Fn(&Compared) -> Option<(f64, f64)>) -> Vec<Series> {
     let mark = |line: &Line| {
         let at = point(line.material)?;
@@ -121,7 +121,7 @@ fn numbers(lines: &[Line]) -> Vec<usize> {
     lines.iter().map(|line| line.number).collect()
 }
 
-/// Curves, thin past the ultimate point.
+/// Draws the stress-strain curves, thin and dotted past the ultimate point.
 fn curves(drawing: &mut Drawing, place: Area, lines: &[Line], stress: Scale) {
     let part = |line: &Line, keep: &dyn Fn(f64) -> bool| -> Vec<(f64, f64)> {
         let kept = line.material.curve.iter().filter(|p| keep(p.strain));
@@ -143,12 +143,13 @@ fn curves(drawing: &mut Drawing, place: Area, lines: &[Line], stress: Scale) {
     panel(drawing, place, "(a)  stress-strain curves, ultimate points", axes, &series, &numbers(lines));
 }
 
-/// Speeds of the last fronts as a staircase, on a logarithmic scale down to a thousandth of the fastest.
+/// Draws the front speed of each straight segment of the loading curves as a step function, on a logarithmic scale down to a thousandth of the
+/// fastest.
 fn speeds(drawing: &mut Drawing, place: Area, lines: &[Line], unit: Scale) {
     let fastest = lines.iter().map(|line| unit.of(line.material.elastic_speed_m_s)).fold(0.0, f64::max);
     let stairs = |line: &Line| {
         let steps = line.material.loading.windows(2).flat_map(|p| {
-            // Below the panel, where the stress does not rise.
+            // Where the stress does not rise, the line is drawn below the panel.
             let speed = unit.of(p[1].wave_speed_m_s).max(0.1 * SLOWEST * fastest);
             [(p[0].strain / PERCENT, speed), (p[1].strain / PERCENT, speed)]
         });
@@ -176,7 +177,7 @@ fn velocities(drawing: &mut Drawing, place: Area, lines: &[Line], unit: Scale) {
     panel(drawing, place, "(c)  impact velocity", axes, &series, &numbers(lines));
 }
 
-/// Number, line, name and critical velocity of every material.
+/// Draws rank, line style, name and critical velocity of every material.
 fn bars(drawing: &mut Drawing, place: Area, lines: &[Line], unit: Scale) {
     let heading = format!("(d)  critical impact velocity ({})", unit.symbol);
     drawing.bold((place.x + 26.0, place.y + 16.0), 14.5, Anchor::Start, &heading);

@@ -9,13 +9,13 @@ use crate::record::store::{ResultFile, Side};
 use crate::record::{Field, Trace};
 use crate::study::compare_results::{Difference, profile_at};
 
-/// Most gauges that get a panel.
+/// Largest number of gauges that get a panel each.
 const GAUGES: usize = 6;
 
-/// Profiles of a field where it differs most, its difference against time, and the histories at gauges and ends. SVG text.
+/// Draws the profiles of a field where it differs most, its difference against time, and the stress histories at gauges and ends.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// An error if a file cannot be read.
 pub fn figure(files: &[ResultFile], differences: &[Difference], field: Option<Field>) -> Result<Picture> {
     let names: Vec<String> = files.iter().map(name).collect();
     let shown = field.or_else(|| differences.first()?.fields.first().map(|f| f.field));
@@ -38,7 +38,7 @@ fn unit_label(field: Field, torsion: bool) -> (Unit, String) {
     (unit, unit.label(field_name(field, torsion)))
 }
 
-/// The field along the bar at the time of the largest difference of all.
+/// Returns a panel of the field along the bar at the time of the largest difference, or `None` if the field is not compared.
 fn profiles(
     files: &[ResultFile],
     names: &[String],
@@ -65,7 +65,7 @@ fn profiles(
     Ok(Some(Panel { heading, axes: ["position x (m)".into(), label], series }))
 }
 
-/// Values below this fraction of the largest one are invisible in a plot.
+/// Relative size below which values are invisible in a plot.
 const UNSEEN: f64 = 1e-3;
 
 /// Crops the series to the visible part of the bar if that is less than half of it.
@@ -101,7 +101,7 @@ fn difference_in_time(names: &[String], all: &[Difference], (field, torsion): (F
 
 const TIME: &str = "time (\u{b5}s)";
 
-/// Stress at the gauges of the first file and at the ends.
+/// Returns panels of the stress at the gauges of the first file and at the ends.
 fn histories(files: &[ResultFile], names: &[String]) -> Result<Vec<Panel>> {
     let unit = Units::Si.field(Field::Stress);
     let line = |i: usize, trace: &Trace| {
@@ -119,7 +119,7 @@ fn histories(files: &[ResultFile], names: &[String]) -> Result<Vec<Panel>> {
     }
     for side in [Side::Left, Side::Right] {
         let traces = files.iter().map(|file| file.end(side)).collect::<Result<Vec<_>>>()?;
-        // A free end has no stress to show.
+        // The stress at a free end is zero and is not shown.
         if traces.iter().all(|trace| trace.stress.iter().all(|stress| *stress == 0.0)) {
             continue;
         }

@@ -1,4 +1,4 @@
-//! Figure of a cost study: error against stepping time, both logarithmic, one line per method.
+//! Figure of a cost study: error against stepping time, both on logarithmic axes, with one line per method.
 
 use super::axis::superscript;
 use super::drawing::{Anchor, Area, BORDER, Drawing, FINE, GRID, Picture, Stroke, shortened, text_width};
@@ -7,20 +7,20 @@ use crate::study::cost::{Cost, CostPoint, Resolution, TOLERANCES};
 
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 560.0;
-/// The plot itself.
+/// Area of the plot, px.
 const PLOT: Area = Area { x: 84.0, y: 58.0, width: 596.0, height: 410.0 };
-/// Room below the axis for errors that are too small for it.
+/// Height of the strip at the bottom of the plot for errors too small for the axis, px.
 const STRIP: f64 = 30.0;
 
-/// Sizes of text, px.
+/// Font sizes, px.
 const SMALL: f64 = 11.0;
 const NORMAL: f64 = 13.0;
 const LARGE: f64 = 15.0;
 
-/// Errors below this have a strip of their own: rounding, and what front tracking has exactly.
+/// Smallest error on the axis. Smaller ones (rounding errors, and exact results of front tracking) are drawn in a strip below it.
 const SMALLEST: f64 = 1e-6;
 
-/// Marks of the methods, so that they differ without colour.
+/// Shape of the marks of a method, so that methods can be told apart without colour.
 #[derive(Debug, Clone, Copy)]
 enum Mark {
     Circle,
@@ -32,15 +32,15 @@ enum Mark {
 const MARKS: [Mark; 4] = [Mark::Circle, Mark::Square, Mark::Diamond, Mark::Triangle];
 const MARK_SIZE: f64 = 4.5;
 
-/// The axes, as powers of ten.
+/// Ranges of the axes, as powers of ten.
 struct Frame {
     time: [i32; 2],
     error: [i32; 2],
-    /// Some errors are below the axis.
+    /// True if some errors are too small for the axis.
     strip: bool,
 }
 
-/// Error against stepping time of every point, with the Pareto front and the tolerances. SVG text.
+/// Draws error against stepping time of every point, with the Pareto front and the tolerances.
 pub fn figure(cost: &Cost) -> Picture {
     let frame = Frame::of(cost);
     let mut drawing = Drawing::default();
@@ -79,9 +79,9 @@ impl Frame {
         };
         let known = |p: &&CostPoint| p.step_wall_s > 0.0;
         let time = decades(&mut cost.points.iter().filter(known).map(|p| p.step_wall_s), [0.8, 1.2]);
-        // The tolerances are always in the picture.
+        // The tolerances are always in the range of the axis.
         let errors = cost.points.iter().map(|p| p.error).filter(|e| *e >= SMALLEST);
-        // A tenth of a thousandth is 1e-4 to rounding only.
+        // The small increase keeps rounding from adding a decade: a tenth of a thousandth equals 1e-4 only to rounding.
         let error = decades(&mut errors.chain([TOLERANCES[0], TOLERANCES[3]]), [1.0 + 1e-9, 1.0]);
         Self { time, error, strip: cost.points.iter().any(|p| p.error < SMALLEST) }
     }
@@ -114,7 +114,7 @@ fn title(drawing: &mut Drawing, cost: &Cost) {
     drawing.text((PLOT.x, 44.0), SMALL, Anchor::Start, &shortened(&under, 104));
 }
 
-/// Decades and their labels.
+/// Draws the grid lines of both axes, their labels and titles, and the strip of small errors.
 fn grid(drawing: &mut Drawing, frame: &Frame, measure: &str) {
     let (pale, fine, dark) = (Stroke::new(GRID, 0.8), Stroke::new(FINE, 0.6), Stroke::new(BORDER, 1.0));
     let power = |exponent: i32| format!("10{}", superscript(exponent));
@@ -150,7 +150,7 @@ fn grid(drawing: &mut Drawing, frame: &Frame, measure: &str) {
     drawing.upright((24.0, 0.5 * (PLOT.y + PLOT.bottom())), NORMAL, &format!("error: {measure}"));
 }
 
-/// The tolerances that are asked after, labelled at the right.
+/// Draws a line at each tolerance of the study, labelled on the right.
 fn tolerances(drawing: &mut Drawing, frame: &Frame) {
     for tolerance in TOLERANCES {
         let y = frame.y(tolerance);
@@ -159,7 +159,7 @@ fn tolerances(drawing: &mut Drawing, frame: &Frame) {
     }
 }
 
-/// What the reference is uncertain by, where that is on the axis.
+/// Draws the uncertainty of the reference if it is on the axis.
 fn uncertainty(drawing: &mut Drawing, frame: &Frame, cost: &Cost, taken: &mut Vec<Area>) {
     if cost.reference_uncertainty < SMALLEST.max(10_f64.powi(frame.error[0])) {
         return;
@@ -173,7 +173,7 @@ fn uncertainty(drawing: &mut Drawing, frame: &Frame, cost: &Cost, taken: &mut Ve
     taken.push(area);
 }
 
-/// The Pareto front as a broad pale staircase.
+/// Draws the Pareto front as a broad pale step function.
 fn front(drawing: &mut Drawing, frame: &Frame, points: &[CostPoint]) {
     let mut best: Vec<&CostPoint> = points.iter().filter(|p| p.pareto).collect();
     best.sort_by(|a, b| a.step_wall_s.total_cmp(&b.step_wall_s));
@@ -192,7 +192,7 @@ fn line(drawing: &mut Drawing, frame: &Frame, points: &[&CostPoint], k: usize) {
     let places: Vec<(f64, f64)> = points.iter().map(|p| frame.place(p)).collect();
     drawing.path(&places, &Stroke::new(colour(k), 1.8));
     for (point, place) in points.iter().zip(places) {
-        // What the reference cannot judge is hollow.
+        // Marks of errors below the uncertainty of the reference are hollow.
         mark(drawing, place, k, point.below_reference && point.error >= SMALLEST);
     }
 }
@@ -220,7 +220,7 @@ fn around((x, y): (f64, f64), size: f64) -> Area {
     Area { x: x - size, y: y - size, width: 2.0 * size, height: 2.0 * size }
 }
 
-/// Small squares along a line, which labels keep off.
+/// Returns small squares along a line, where no label is placed.
 fn along(from: (f64, f64), to: (f64, f64)) -> impl Iterator<Item = Area> {
     let pieces = ((to.0 - from.0).hypot(to.1 - from.1) / 4.0).ceil().max(1.0);
     (0..=pieces as usize).map(move |k| {
@@ -233,7 +233,7 @@ fn overlap(a: &Area, b: &Area) -> bool {
     a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
 }
 
-/// The resolution beside a point, in the first place around it that is free; nothing where none is.
+/// Writes the resolution at the first free place around a point; nothing if none is free.
 fn label(drawing: &mut Drawing, frame: &Frame, point: &CostPoint, taken: &mut Vec<Area>) {
     let text = match point.resolution() {
         _ if point.exact == Some(true) => "all waves tracked".into(),
@@ -257,14 +257,14 @@ fn label(drawing: &mut Drawing, frame: &Frame, point: &CostPoint, taken: &mut Ve
         .map(|(x, y)| Area { x, y, width, height })
         .find(|area| inside(area) && taken.iter().all(|other| !overlap(area, other)));
     if let Some(area) = free {
-        // Lines of the background would cross it out.
+        // A white background hides the grid lines behind the text.
         drawing.rect(area, "white", None);
         drawing.text((area.x, area.bottom() - 2.5), SMALL, Anchor::Start, &text);
         taken.push(area);
     }
 }
 
-/// One row below the axis: methods with their orders, and the front.
+/// Draws the legend as one row below the axis: methods with their orders, and the Pareto front.
 fn legend(drawing: &mut Drawing, cost: &Cost, schemes: &[&str]) {
     let (mut x, y) = (PLOT.x, HEIGHT - 22.0);
     for (k, scheme) in schemes.iter().enumerate() {

@@ -1,9 +1,9 @@
-//! Display units: the factor from SI, the symbol, and the axis label of each quantity.
+//! Display units: conversion factor from SI, symbol, and axis label of each quantity.
 
 use crate::record::Field;
 use crate::units::{Dimension, System, in_units, one, scale_for};
 
-/// Units of a report.
+/// System of units of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Units {
     /// m, MPa, m/s.
@@ -13,26 +13,26 @@ pub enum Units {
     Us,
 }
 
-/// A unit to show values in.
+/// Unit in which values are shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Unit {
-    /// Shown value = factor times SI value.
+    /// Conversion factor: shown value = factor times SI value.
     pub factor: f64,
-    /// As the units are declared, "ft*lbf/in^2"; empty where there is none.
+    /// Symbol as it is declared with the units, such as "ft*lbf/in^2"; empty for a number without unit.
     pub symbol: &'static str,
 }
 
-/// A number without unit.
+/// Unit of dimensionless numbers.
 pub(super) const PLAIN: Unit = Unit { factor: 1.0, symbol: "" };
 
 impl Unit {
-    /// The unit that has this symbol.
+    /// Returns the unit with this symbol.
     fn named(symbol: &'static str, dimension: Dimension) -> Self {
-        // No value at all rather than a wrong one.
+        // An unknown symbol gives NaN, shown as no value, rather than a wrong value.
         Self { factor: 1.0 / one(symbol, dimension).unwrap_or(f64::NAN), symbol }
     }
 
-    /// The symbol as it is printed: raised dots in products, raised powers, and the micro sign.
+    /// Returns the symbol for print, with raised dots in products, raised exponents, and the micro sign.
     fn printed(self) -> String {
         let raised = [("*", "\u{b7}"), ("^2", "\u{b2}"), ("^3", "\u{b3}"), ("^4", "\u{2074}")];
         let symbol =
@@ -43,12 +43,12 @@ impl Unit {
         }
     }
 
-    /// `name (unit)`.
+    /// Returns the label `name (unit)`.
     pub fn label(self, name: &str) -> String {
         if self.symbol.is_empty() { name.to_owned() } else { format!("{name} ({})", self.printed()) }
     }
 
-    /// A value with its unit, four digits.
+    /// Returns a value with its unit, in four significant digits; a dash if it is not finite.
     pub fn show(self, value: f64) -> String {
         if !value.is_finite() {
             return "\u{2013}".into();
@@ -57,7 +57,7 @@ impl Unit {
         if self.symbol.is_empty() { number } else { format!("{number} {}", self.printed()) }
     }
 
-    /// A value with its unit for legends: at most four digits, no idle zeros.
+    /// Returns a value with its unit for legends, in at most four significant digits without trailing zeros.
     pub fn brief(self, value: f64) -> String {
         let number = four_digits(value * self.factor);
         let number = if number.contains('.') && !number.contains('e') {
@@ -68,13 +68,13 @@ impl Unit {
         format!("{number} {}", self.printed()).trim_end().to_owned()
     }
 
-    /// A value without its unit, four digits; a dash where there is none.
+    /// Returns a value without its unit, in four significant digits; a dash if it is not finite.
     pub fn number(self, value: f64) -> String {
         if value.is_finite() { four_digits(value * self.factor) } else { "\u{2013}".into() }
     }
 }
 
-/// Four significant digits, with an exponent only where plain decimals would be long.
+/// Returns a number in four significant digits, with an exponent only if plain decimals would be long.
 pub(super) fn four_digits(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
@@ -89,7 +89,7 @@ pub(super) fn four_digits(value: f64) -> String {
 }
 
 impl Units {
-    /// A sentence with its quantities in these units.
+    /// Returns a sentence with its quantities converted to these units.
     pub(super) fn sentence(self, text: &str) -> String {
         in_units(text, self.system())
     }
@@ -101,7 +101,7 @@ impl Units {
         }
     }
 
-    /// One of two units of the same dimension.
+    /// Returns the unit for this system from a pair (SI, US) of the same dimension.
     fn either(self, [si, us]: [&'static str; 2], dimension: Dimension) -> Unit {
         match self {
             Self::Si => Unit::named(si, dimension),
@@ -109,7 +109,7 @@ impl Units {
         }
     }
 
-    /// For times up to `longest` s.
+    /// Returns the unit for times up to `longest` (s).
     pub(super) fn time(longest: f64) -> Unit {
         let symbol = match longest {
             _ if longest < 2e-3 => "us",
@@ -119,7 +119,7 @@ impl Units {
         Unit::named(symbol, Dimension::Time)
     }
 
-    /// For places on a bar of `length` m.
+    /// Returns the unit for positions on a bar of `length` (m).
     pub(super) fn length(self, length: f64) -> Unit {
         let symbols = [if length < 0.2 { "mm" } else { "m" }, if length < 10.0 { "in" } else { "ft" }];
         self.either(symbols, Dimension::Length)
@@ -133,7 +133,7 @@ impl Units {
         self.either(["m/s", "ft/s"], Dimension::Velocity)
     }
 
-    /// For an energy, given the file's own unit ("J" or "J/m^2").
+    /// Returns the unit for an energy from the unit that is stored in the file: "J", or "J/m^2" for an energy per area.
     pub(super) fn energy(self, stored: &str) -> Unit {
         match stored {
             "J" => self.either(["J", "ft*lbf"], Dimension::Energy),
@@ -145,7 +145,8 @@ impl Units {
         self.either(["kg/m^3", "lb/in^3"], Dimension::Density)
     }
 
-    /// For values up to `most` whose SI unit has this symbol, with spaces or, as older programs wrote it, with "*".
+    /// Returns the unit for values up to `most` from an SI symbol, whose factors are separated by spaces or, in files of older versions, by "*".
+    /// Without a matching dimension, the unit is [`PLAIN`].
     pub(super) fn of_symbol(self, symbol: &str, most: f64) -> Unit {
         let symbol = symbol.replace('*', " ");
         let Some(dimension) =
@@ -157,7 +158,7 @@ impl Units {
         Unit { factor: 1.0 / scale.si, symbol: scale.symbol }
     }
 
-    /// For a recorded field.
+    /// Returns the unit of a recorded field.
     pub(super) fn field(self, field: Field) -> Unit {
         match field {
             Field::Stress => self.stress(),
@@ -171,14 +172,14 @@ impl Units {
         }
     }
 
-    /// For an angle per length.
+    /// Returns the unit of a twist, an angle per length.
     fn twist(self) -> Unit {
         let length = self.either(["m", "in"], Dimension::Length);
         Unit { factor: 1.0 / length.factor, symbol: if self == Self::Si { "rad/m" } else { "rad/in" } }
     }
 }
 
-/// A field's name for axes; `torsion` where it is that of the surface of a twisted bar.
+/// Returns the name of a field for axes; with `torsion`, that of the field at the surface of a twisted bar.
 pub(super) fn field_name(field: Field, torsion: bool) -> &'static str {
     match field {
         Field::Stress if torsion => "nominal shear stress at the surface",

@@ -1,8 +1,8 @@
-//! What figures are made of: lines, areas, text, images. Sizes are in px of 1/96 inch; y is downwards.
+//! Elements of figures: lines, areas, text and images. Sizes are in px of 1/96 inch; y points down.
 //!
 //! A [`Picture`] is written as SVG by [`super::svg`], as PNG by [`super::png`] and as PDF by [`super::pdf`].
 
-/// Colours with a role. A page gives each its counterpart for the dark, so that pictures use no others for it.
+/// Colours by role. An HTML page replaces each by a counterpart in dark mode.
 pub(super) const INK: &str = "#222";
 pub(super) const PAPER: &str = "white";
 pub(super) const BORDER: &str = "#444";
@@ -11,27 +11,27 @@ pub(super) const FINE: &str = "#f2f2f2";
 pub(super) const RUPTURE: &str = "#b2182b";
 pub(super) const THEORY: &str = "#777";
 
-/// A finished drawing, on white.
+/// Finished drawing on a white background.
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub(super) width: f64,
     pub(super) height: f64,
     pub(super) elements: Vec<Element>,
-    /// Among the pictures of one page.
+    /// Number of the picture among those of a page; it keeps the identifiers of its elements unique.
     pub(super) number: usize,
 }
 
-/// A drawing under construction.
+/// Drawing under construction.
 #[derive(Debug, Default)]
 pub(super) struct Drawing {
     elements: Vec<Element>,
     number: usize,
 }
 
-/// A part of a drawing.
+/// Element of a drawing.
 #[derive(Debug, Clone)]
 pub(super) enum Element {
-    /// Its area and its outline.
+    /// Shape with an optional fill and outline.
     Shape {
         shape: Shape,
         fill: Option<String>,
@@ -39,14 +39,14 @@ pub(super) enum Element {
         note: Note,
     },
     Text(Text),
-    /// A PNG file, stretched over the area.
+    /// PNG file, stretched over the area.
     Image {
         area: Area,
         png: Vec<u8>,
     },
-    /// Elements that are cut at the area's edges.
+    /// Elements that are clipped to the area.
     Clipped(Area, Vec<Element>),
-    /// Elements of this class.
+    /// Elements grouped under a CSS class.
     Group(&'static str, Vec<Element>),
 }
 
@@ -54,7 +54,7 @@ pub(super) enum Element {
 pub(super) enum Shape {
     Rect(Area),
     Line([(f64, f64); 2]),
-    /// A point that is not finite interrupts it.
+    /// Polyline; a point that is not finite interrupts it.
     Path(Vec<(f64, f64)>),
     Circle {
         centre: (f64, f64),
@@ -63,13 +63,13 @@ pub(super) enum Shape {
     Polygon(Vec<(f64, f64)>),
 }
 
-/// What a shape tells the script of a page.
+/// Data that a shape carries for the script of a page.
 #[derive(Debug, Clone)]
 pub(super) enum Note {
     Nothing,
-    /// The name of a line.
+    /// Name of a line.
     Name(String),
-    /// Attributes of a plot, as they stand in SVG.
+    /// Attributes of a plot, as written in SVG.
     Attributes(String),
 }
 
@@ -82,23 +82,23 @@ pub(super) struct Text {
     pub letters: String,
 }
 
-/// A text's look.
+/// Style of a text.
 #[derive(Debug, Clone)]
 pub(super) enum TextStyle {
     Plain,
     Bold,
-    /// It reads upwards.
+    /// Rotated by 90 degrees, reading upwards.
     Upright,
     /// Bold, in this colour.
     Coloured(String),
-    /// The white edge of bold text, below it.
+    /// White outline that is drawn behind bold text.
     Edge,
 }
 
-/// Width of the white edge of text.
+/// Line width of the white outline of text, px.
 pub(super) const EDGE: f64 = 2.5;
 
-/// How a text stands on its point.
+/// Alignment of a text relative to its point.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -106,14 +106,14 @@ pub(super) enum Anchor {
     End,
 }
 
-/// A line's look.
+/// Style of a line.
 #[derive(Debug, Clone)]
 pub(super) struct Stroke {
     pub colour: String,
     pub width: f64,
-    /// Lengths of dashes and of the gaps between them, as in SVG; empty for a full line.
+    /// Lengths of dashes and of the gaps between them, as in SVG; empty for a solid line.
     pub dash: &'static str,
-    /// 0 to 1.
+    /// Opacity, 0 to 1.
     pub opacity: f64,
 }
 
@@ -133,7 +133,7 @@ impl Stroke {
     }
 }
 
-/// A rectangle.
+/// Rectangle; x and y are those of its upper left corner.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Area {
     pub x: f64,
@@ -153,7 +153,7 @@ impl Area {
 }
 
 impl Drawing {
-    /// A drawing that stands on one page with others of other numbers.
+    /// Creates a drawing for a page that holds several pictures, each with a number of its own.
     pub fn of_page(number: usize) -> Self {
         Self { number, ..Self::default() }
     }
@@ -162,12 +162,12 @@ impl Drawing {
         self.shape(Shape::Rect(area), Some(fill), stroke, Note::Nothing);
     }
 
-    /// The border of an area.
+    /// Draws the border of an area.
     pub fn outline(&mut self, area: Area, stroke: &Stroke) {
         self.shape(Shape::Rect(area), None, Some(stroke), Note::Nothing);
     }
 
-    /// The border of a plot, with the attributes that tell a script what its pixels mean.
+    /// Draws the border of a plot, with attributes from which a script can convert pixels to values.
     pub fn frame(&mut self, area: Area, stroke: &Stroke, attributes: String) {
         self.shape(Shape::Rect(area), None, Some(stroke), Note::Attributes(attributes));
     }
@@ -176,12 +176,12 @@ impl Drawing {
         self.shape(Shape::Line([from, to]), None, Some(stroke), Note::Nothing);
     }
 
-    /// A line through points; a point that is not finite interrupts it.
+    /// Draws a polyline; a point that is not finite interrupts it.
     pub fn path(&mut self, points: &[(f64, f64)], stroke: &Stroke) {
         self.named_path("", points, stroke);
     }
 
-    /// A line that tells a script its name.
+    /// Draws a polyline whose name is available to the script of a page.
     pub fn named_path(&mut self, name: &str, points: &[(f64, f64)], stroke: &Stroke) {
         let note = if name.is_empty() { Note::Nothing } else { Note::Name(name.into()) };
         if points.iter().any(is_finite) {
@@ -193,7 +193,7 @@ impl Drawing {
         self.shape(Shape::Circle { centre, radius }, Some(fill), Some(stroke), Note::Nothing);
     }
 
-    /// A closed area.
+    /// Draws a closed polygon.
     pub fn polygon(&mut self, corners: &[(f64, f64)], fill: &str, stroke: &Stroke) {
         self.shape(Shape::Polygon(corners.into()), Some(fill), Some(stroke), Note::Nothing);
     }
@@ -210,14 +210,14 @@ impl Drawing {
         self.styled(at, size, anchor, TextStyle::Bold, text);
     }
 
-    /// Bold text in a colour, with a white edge that keeps lines off.
+    /// Draws bold text in a colour, with a white outline that separates it from lines behind it.
     pub fn coloured(&mut self, at: (f64, f64), size: f64, colour: &str, text: &str) {
-        // The edge is text of its own: not every viewer draws it below the letters (paint-order).
+        // The outline is a separate text element: not every viewer draws it below the letters (paint-order).
         self.styled(at, size, Anchor::Start, TextStyle::Edge, text);
         self.styled(at, size, Anchor::Start, TextStyle::Coloured(colour.into()), text);
     }
 
-    /// Text that reads upwards.
+    /// Draws text that reads upwards, centred at the point.
     pub fn upright(&mut self, at: (f64, f64), size: f64, text: &str) {
         self.styled(at, size, Anchor::Middle, TextStyle::Upright, text);
     }
@@ -226,43 +226,43 @@ impl Drawing {
         self.elements.push(Element::Text(Text { at, size, anchor, style, letters: text.into() }));
     }
 
-    /// A PNG file, stretched over the area.
+    /// Draws a PNG file, stretched over the area.
     pub fn image(&mut self, area: Area, png: Vec<u8>) {
         self.elements.push(Element::Image { area, png });
     }
 
-    /// What `draw` draws is cut at the area's edges.
+    /// Adds the elements that `draw` draws, clipped to the area.
     pub fn clipped(&mut self, area: Area, draw: impl FnOnce(&mut Self)) {
         let ((), elements) = self.apart(draw);
         self.elements.push(Element::Clipped(area, elements));
     }
 
-    /// What `draw` draws is one group of this class.
+    /// Adds the elements that `draw` draws as one group of this CSS class.
     pub fn group<T>(&mut self, class: &'static str, draw: impl FnOnce(&mut Self) -> T) -> T {
         let (drawn, elements) = self.apart(draw);
         self.elements.push(Element::Group(class, elements));
         drawn
     }
 
-    /// What `draw` draws, which is not part of the drawing yet.
+    /// Returns the elements that `draw` draws without adding them to the drawing.
     fn apart<T>(&mut self, draw: impl FnOnce(&mut Self) -> T) -> (T, Vec<Element>) {
         let outer = std::mem::take(&mut self.elements);
         let drawn = draw(self);
         (drawn, std::mem::replace(&mut self.elements, outer))
     }
 
-    /// The whole picture, of a size in px.
+    /// Finishes the picture, which gets this size in px.
     pub fn finish(self, width: f64, height: f64) -> Picture {
         Picture { width: width.round(), height: height.round(), elements: self.elements, number: self.number }
     }
 }
 
-/// Both coordinates are numbers.
+/// Returns true if both coordinates are finite.
 pub(super) fn is_finite(point: &(f64, f64)) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
-/// At most `length` characters.
+/// Returns the text cut to at most `length` characters, the last one an ellipsis if it was cut.
 pub(super) fn shortened(text: &str, length: usize) -> String {
     if text.chars().count() <= length {
         return text.to_owned();
@@ -270,7 +270,7 @@ pub(super) fn shortened(text: &str, length: usize) -> String {
     text.chars().take(length - 1).chain(std::iter::once('\u{2026}')).collect()
 }
 
-/// Width that a text takes, a little on the safe side for every font asked for.
+/// Returns the estimated width of a text, px: slightly more than the actual width in each of the fonts of the SVG.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     0.57 * size * text.chars().count() as f64
 }

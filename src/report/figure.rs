@@ -1,4 +1,4 @@
-//! The figure of a result file: x-t diagram, profiles, histories, energies, front speeds, as one picture.
+//! The figure of a result file: x-t diagram, profiles, histories, energies and front speeds in one picture.
 
 use super::display::Units;
 use super::drawing::Picture;
@@ -13,7 +13,7 @@ use crate::record::Field;
 use crate::record::store::{Metadata, ResultFile};
 use crate::units::Dimension;
 
-/// A panel of the figure of a bar.
+/// Panel of the figure of a bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum PanelName {
     /// Field over the bar and time, with fronts, gauges and ruptures.
@@ -47,33 +47,33 @@ const ALL: [PanelName; 8] = [
     PanelName::StressStrain,
 ];
 
-/// What a figure shows of a result.
+/// Contents and size of the figure of a result file.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
-    /// None: stress if the file has it, else its first field.
+    /// Field to show. `None`: stress if the file has it, otherwise its first field.
     pub field: Option<Field>,
     /// Units of all axes.
     pub units: Units,
-    /// In this order; empty: all panels for which the file has data, under a title.
+    /// Panels in this order, without a title. Empty: all panels for which the file has data, under a title.
     pub panels: Vec<PanelName>,
-    /// Width and height of the figure, px of 1/96 inch; 1 to 10000; none: the size of the panels.
+    /// Width and height of the figure, px of 1/96 inch, 1 to 10000. `None`: as large as the panels need.
     pub size: Option<[f64; 2]>,
 }
 
-/// Widths and heights of a figure, px.
+/// Allowed widths and heights of a figure, px.
 const SIZES: Allowed = Allowed::Within(1.0, 10_000.0);
 
 impl Figure {
-    /// Its size, which becomes memory.
+    /// Checks the size, which determines how much memory the picture needs.
     fn check_size(&self) -> Checked {
         self.size.into_iter().flatten().try_for_each(|px| member("size", px, Dimension::None, SIZES))
     }
 }
 
-/// Draws a result file as one picture. Panels without data are omitted.
+/// Draws a result file as one picture. Panels without data are omitted, unless they are requested by name.
 ///
 /// # Errors
-/// [`InputError`] if the file lacks the field or panel, has no frame or cannot be read, or if the size is too small or too large.
+/// [`InputError`] if the file lacks the field or a requested panel, has no frame or cannot be read, or if the size is out of range.
 pub fn draw(file: &ResultFile, figure: &Figure) -> Result<Picture> {
     figure.check_size()?;
     let heading = figure.panels.is_empty().then(|| heading(file.metadata(), figure.units));
@@ -84,11 +84,12 @@ pub fn draw(file: &ResultFile, figure: &Figure) -> Result<Picture> {
     compose(heading.as_ref(), &contents(&view, &figure.panels)?, figure.size)
 }
 
-/// Each panel as a picture of its own, for a page, with the profile of one instant among them; `size` in px. Empty where there is nothing.
+/// Returns each panel as a picture of its own for an HTML page, with the time slider of the profile among them; `size` in px. Empty if there
+/// is nothing to draw.
 pub(super) fn pictures(file: &ResultFile, figure: &Figure, size: [f64; 2]) -> Result<String> {
     figure.check_size()?;
     if let Some(impact) = file.impact()? {
-        // The page of an impact in closed form holds its tables.
+        // An impact in closed form has no histories; its page shows tables only.
         if !impact.has_histories() {
             return Ok(String::new());
         }
@@ -99,11 +100,11 @@ pub(super) fn pictures(file: &ResultFile, figure: &Figure, size: [f64; 2]) -> Re
     let view = view(file, figure)?;
     let asked = figure.panels.is_empty() || figure.panels.contains(&PanelName::Profiles);
     let profiles = if asked { Some(Profiles::of_bar(&view)?) } else { None };
-    // Beside the x-t diagram and the profiles at several times.
+    // Placed after the x-t diagram and the profiles at several times.
     gallery(&contents(&view, &figure.panels)?, 2, profiles, size)
 }
 
-/// Panels with the profile of one instant at a place among them.
+/// Returns the pictures of the panels as HTML, with the time slider of the profile inserted at position `place`.
 fn gallery(contents: &[Content], place: usize, profiles: Option<Profiles>, size: [f64; 2]) -> Result<String> {
     let mut figures = Vec::with_capacity(contents.len() + 1);
     for (index, content) in contents.iter().enumerate() {
@@ -128,7 +129,7 @@ fn impact_contents<'a>(
     impact::panels(file, impact, figure.units)
 }
 
-/// The panels that were asked for, or all that have something to show.
+/// Returns the requested panels, or all panels that have data.
 fn contents<'a>(view: &'a View<'a>, asked: &[PanelName]) -> Result<Vec<Content<'a>>> {
     let mut contents = Vec::new();
     for name in if asked.is_empty() { &ALL[..] } else { asked } {
@@ -192,7 +193,7 @@ pub(super) fn view<'a>(file: &'a ResultFile, figure: &Figure) -> Result<View<'a>
     let (Some(&end_time), Some(&last)) = (time.last(), x.last()) else {
         return Err(nothing(file, "it has no frames yet").into());
     };
-    // Samples are cell centres: the bar ends half a cell beyond the last one.
+    // Samples are at cell centres: the bar ends half a cell beyond the last one.
     let half_cell = if x.len() > 1 { (last - x[x.len() - 2]) / 2.0 } else { last };
     let (asked, ruptures) = (figure.field.is_some(), file.ruptures()?);
     let (units, torsion) = (figure.units, file.is_in_torsion());

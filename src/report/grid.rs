@@ -1,36 +1,36 @@
-//! Panels of lines in two columns.
+//! Figures of line panels in two columns.
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Area, Drawing, Picture, Stroke};
 use super::panel::{Series, line_panel};
 use super::plot::{COLOURS, colour};
 
-/// Width and height of a panel.
+/// Width and height of a panel, px.
 const PANEL: [f64; 2] = [566.0, 380.0];
 const MARGIN: f64 = 16.0;
 const HEADER: f64 = 40.0;
 
 pub(super) const DASHES: [&str; 4] = ["", "7 3", "2 3", "9 3 2 3"];
 
-/// The line of series `i`. Lines that coincide are all seen: the first is wide, and the others have gaps.
+/// Returns the line style of series `i`. Coincident lines remain visible: the first one is wide, and the others are dashed.
 pub(super) fn stroke(i: usize) -> Stroke {
     let width = if i == 0 { 2.4 } else { 1.6 };
     Stroke::new(colour(i), width).dashed(DASHES[(i + i / COLOURS.len()) % DASHES.len()])
 }
 
-/// A panel and its title.
+/// Panel with its title, axis labels and lines.
 pub(super) struct Panel {
     pub(super) heading: String,
     pub(super) axes: [String; 2],
     pub(super) series: Vec<Series>,
 }
 
-/// The panels with a title above them, lettered where there is more than one; zero is on every axis. SVG text.
+/// Draws the panels below a title, lettered if there are several; every axis includes zero.
 pub(super) fn draw(title: &str, panels: &[Panel]) -> Picture {
     draw_from(title, panels, Some(0.0))
 }
 
-/// The same with x axes that reach to `origin`, if there is one.
+/// Draws the panels as [`draw`] does, but with x axes that include `origin` instead of zero, or no such value if it is `None`.
 pub(super) fn draw_from(title: &str, panels: &[Panel], origin: Option<f64>) -> Picture {
     document(title, [panels.len().min(2), panels.len().div_ceil(2)], |drawing| {
         for (k, Panel { heading, axes: [x, y], series }) in panels.iter().enumerate() {
@@ -41,14 +41,14 @@ pub(super) fn draw_from(title: &str, panels: &[Panel], origin: Option<f64>) -> P
     })
 }
 
-/// Where a panel stands.
+/// Returns the area of a panel in the figure, px.
 pub(super) fn area(column: usize, row: usize) -> Area {
     let [width, height] = PANEL;
     let (x, y) = (MARGIN + (width + MARGIN) * column as f64, HEADER + (height + MARGIN) * row as f64);
     Area { x, y, width, height }
 }
 
-/// A figure of so many columns and rows of panels under a title.
+/// Creates a figure with this number of columns and rows of panels below a title.
 pub(super) fn document(title: &str, [columns, rows]: [usize; 2], draw: impl FnOnce(&mut Drawing)) -> Picture {
     let mut drawing = Drawing::default();
     drawing.bold((MARGIN, 26.0), 18.0, Anchor::Start, title);
@@ -57,7 +57,7 @@ pub(super) fn document(title: &str, [columns, rows]: [usize; 2], draw: impl FnOn
     drawing.finish(beyond.x, beyond.y)
 }
 
-/// A panel whose axes reach from zero to all points.
+/// Draws a panel whose axes include zero and all points.
 pub(super) fn panel(drawing: &mut Drawing, place: Area, heading: &str, axes: [&str; 2], series: &[Series]) {
     panel_from(drawing, place, heading, axes, series, Some(0.0));
 }
@@ -76,7 +76,7 @@ fn panel_from(
     line_panel(drawing, place, heading, x, y, series);
 }
 
-/// An axis around values and its origin, which ends at zero where no value lies beyond.
+/// Returns an axis that contains all values and the origin, and ends at zero if no value lies beyond it.
 fn axis(label: &str, values: &(impl Iterator<Item = f64> + Clone), origin: Option<f64>) -> Axis {
     let mut axis = Axis::around(label, values.clone().chain(origin));
     let (negative, positive) = (values.clone().any(|v| v < 0.0), values.clone().any(|v| v > 0.0));

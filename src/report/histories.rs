@@ -1,4 +1,4 @@
-//! Histories at the gauges, at the ends, and of the energies.
+//! Panels of histories: at the gauges, at the ends, and of the energies.
 
 use super::axis::Axis;
 use super::display::Unit;
@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::record::store::Side;
 use crate::record::{Field, LedgerRow, Trace};
 
-/// Histories of the shown field at the gauges.
+/// Returns the histories of the displayed field at the gauges, or `None` if there are none.
 pub(super) fn gauges(view: &View) -> Result<Option<LinePanel>> {
     let length = view.length_unit();
     let gauges: Vec<_> = view.file.gauges()?.into_iter().filter(|gauge| !gauge.trace.time.is_empty()).collect();
@@ -28,7 +28,7 @@ pub(super) fn gauges(view: &View) -> Result<Option<LinePanel>> {
     ))
 }
 
-/// The shown field at both ends; a free end has no stress to show.
+/// Returns the histories of the displayed field at both ends. The stress at a free end is zero and is not shown.
 pub(super) fn ends(view: &View) -> Result<Option<LinePanel>> {
     let traces = [view.file.end(Side::Left)?, view.file.end(Side::Right)?];
     let torques = [view.file.end_torque(Side::Left)?, view.file.end_torque(Side::Right)?];
@@ -51,7 +51,7 @@ pub(super) fn ends(view: &View) -> Result<Option<LinePanel>> {
     Ok(histories(view, &heading, view.field_unit().label(name), View::zero(view.field), series))
 }
 
-/// Times and values that were recorded at a place itself; no values of other fields.
+/// Times and values recorded at a gauge or an end; the values are empty if the field is not recorded there.
 type Own<'a> = (&'a [f64], &'a [f64]);
 
 fn own(trace: &Trace, field: Field) -> Own<'_> {
@@ -65,7 +65,7 @@ fn own(trace: &Trace, field: Field) -> Own<'_> {
     (&trace.time, values)
 }
 
-/// A history for each place: its own, or else the field at the nearest sample.
+/// Returns a history for each position: the one recorded there, or otherwise the field at the nearest sample, frame by frame.
 fn at_places(view: &View, names: &[String], histories: &[Own], samples: &[usize]) -> Result<Vec<Series>> {
     let mut from_frames = None;
     let mut series = Vec::new();
@@ -84,7 +84,7 @@ fn at_places(view: &View, names: &[String], histories: &[Own], samples: &[usize]
     Ok(series)
 }
 
-/// Energies against time: where the work of the ends went.
+/// Returns the energies against time with the energy supplied, or `None` if there are fewer than two rows.
 pub(super) fn ledger(view: &View) -> Result<Option<LinePanel>> {
     let rows = view.file.ledger()?;
     if rows.len() < 2 {
@@ -105,7 +105,7 @@ pub(super) fn ledger(view: &View) -> Result<Option<LinePanel>> {
     if rows.iter().any(|row| row.energies.heat > 0.0) {
         series.push(line("heat", Stroke::new(colour(1), 1.6).dashed("6 3"), |row| row.energies.heat));
     }
-    // Where overstress takes little it would only be one line more on the axis.
+    // The viscoplastic energy is omitted where it is below 1 % of the dissipation: its line would coincide with the axis.
     if rows.iter().any(|row| row.energies.viscoplastic > 1e-2 * (row.energies.plastic + row.energies.heat)) {
         series.push(line("viscoplastic", Stroke::new(colour(3), 1.6), |row| row.energies.viscoplastic));
     }
@@ -122,7 +122,7 @@ pub(super) fn ledger(view: &View) -> Result<Option<LinePanel>> {
     Ok(histories(view, "energy", unit.label("energy"), Some(0.0), series))
 }
 
-/// What there was at the start and what came in since: the sum has to lie on it.
+/// Returns the initial energy plus the work of the ends since then; the sum of the energies must coincide with this line.
 fn supplied(view: &View, rows: &[LedgerRow], times: &[f64], unit: Unit) -> Series {
     let work = |row: &LedgerRow| row.work_left + row.work_right;
     let start = rows.first().map_or(0.0, |row| row.energies.total() - work(row));
@@ -136,7 +136,7 @@ fn history(view: &View, name: &str, times: &[f64], values: &[f64], unit: Unit, s
     Series::line(name, points, stroke)
 }
 
-/// A panel of histories, with zero or another value in it; none where there is nothing in them.
+/// Returns a panel of histories whose vertical axis also includes `zero`, or `None` if all of them are empty.
 fn histories(
     view: &View,
     heading: &str,
@@ -158,7 +158,7 @@ fn histories(
     Some(panel)
 }
 
-/// True for a line that goes up and down so often that it covers all that is below it, such as a broken piece that rings.
+/// Returns true for a line that oscillates so often that it hides the lines below it, such as that of a broken piece that rings.
 fn rings(points: &[(f64, f64)], height: f64) -> bool {
     const HEIGHTS: f64 = 25.0;
     points.windows(2).map(|pair| (pair[1].1 - pair[0].1).abs()).filter(|v| v.is_finite()).sum::<f64>()

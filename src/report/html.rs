@@ -1,4 +1,4 @@
-//! Parts of HTML pages that need nothing else: no network, no other file.
+//! Elements of self-contained HTML pages, which refer to no network address and no other file.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -8,10 +8,10 @@ use super::colour::bytes;
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// Dark paper, as in page.css.
+/// Background colour in dark mode, as in page.css.
 const DARK_PAPER: [u8; 3] = [0x15, 0x18, 0x1c];
 
-/// A page of headed sections, each HTML text; it refers to nothing outside itself, and without its script it still shows everything.
+/// Returns a page of sections with headings; contents are HTML. The page refers to nothing outside itself and is complete without its script.
 pub(super) fn html(title: &str, sections: &[(&str, &str)]) -> String {
     let mut body = String::new();
     for (heading, content) in sections {
@@ -28,17 +28,17 @@ pub(super) fn html(title: &str, sections: &[(&str, &str)]) -> String {
     )
 }
 
-/// Text made safe to stand in HTML.
+/// Returns text escaped for HTML.
 pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A drawing with what is said of it where it cannot be seen.
+/// Returns an SVG drawing with a label for screen readers.
 pub(super) fn picture(label: &str, svg: &str) -> String {
     svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", escape(label)), 1)
 }
 
-/// A table in a box that scrolls sideways by itself; without a head the first cells are the names of their rows. Cells are escaped here.
+/// Returns a table in a box that scrolls horizontally. Without a head, the first cell of each row is its header. Cells are escaped here.
 pub(super) fn table(label: &str, head: &[String], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String], first: &str, others: &str| {
         let cells = cells.iter().enumerate().map(|(i, cell)| {
@@ -51,7 +51,7 @@ pub(super) fn table(label: &str, head: &[String], rows: &[Vec<String>]) -> Strin
     let (class, first) = if head.is_empty() { ("facts", "th scope=\"row\"") } else { ("columns", "td") };
     let head = if head.is_empty() { String::new() } else { line(head, column, column) };
     let body: String = rows.iter().map(|row| line(row, first, "td")).collect();
-    // What scrolls must be within reach of the keyboard.
+    // A scrollable element must be reachable by keyboard.
     format!(
         "<div class=\"wide\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">\n\
          <table class=\"{class}\">\n{head}{body}</table>\n</div>\n",
@@ -59,10 +59,10 @@ pub(super) fn table(label: &str, head: &[String], rows: &[Vec<String>]) -> Strin
     )
 }
 
-/// Rows that a page lists of one table; a run can end with thousands of fronts.
+/// Largest number of rows of one table on a page; a run can end with thousands of fronts.
 const MOST_ROWS: usize = 100;
 
-/// A table of the first rows of a table of the file, and how many more it has.
+/// Returns a table of at most [`MOST_ROWS`] rows, followed by the number of omitted rows and the table of the result file that has them.
 pub(super) fn listed(
     label: &str,
     head: &[String],
@@ -77,7 +77,7 @@ pub(super) fn listed(
     format!("{html}<p>... and {left_out} more, in the table {stored} of the file</p>\n")
 }
 
-/// Rules that lighten the lines and letters of drawings for dark paper; areas and what lies on a map keep their colours.
+/// Returns CSS rules that lighten the lines and texts of drawings in dark mode. Filled areas and everything on a map keep their colours.
 fn dark_rules(drawings: &str) -> String {
     let mut colours = BTreeSet::new();
     for element in drawings.split('<') {
@@ -104,16 +104,16 @@ fn dark_rules(drawings: &str) -> String {
     rules + "}\n"
 }
 
-/// The colour mixed with as little white as makes it readable on dark paper.
+/// Returns the colour mixed with as little white as makes it readable on the dark background.
 fn lightened(colour: [u8; 3]) -> [u8; 3] {
-    /// Least contrast of text (WCAG 2.2, 1.4.3).
+    /// Smallest contrast of text (WCAG 2.2, 1.4.3).
     const READABLE: f64 = 4.5;
     let mixed = |white: f64| colour.map(|c| (f64::from(c) * (1.0 - white) + 255.0 * white).round() as u8);
     let contrast = |colour: [u8; 3]| (luminance(colour) + 0.05) / (luminance(DARK_PAPER) + 0.05);
     (0..=20).map(|i| mixed(f64::from(i) / 20.0)).find(|c| contrast(*c) >= READABLE).unwrap_or([255; 3])
 }
 
-/// Relative luminance of an sRGB colour.
+/// Returns the relative luminance of an sRGB colour.
 fn luminance(colour: [u8; 3]) -> f64 {
     let linear = |c: u8| match f64::from(c) / 255.0 {
         dark if dark <= 0.040_45 => dark / 12.92,
@@ -140,7 +140,7 @@ mod tests {
         assert_eq!(bytes("444"), Some([0x44; 3]));
         assert_eq!(bytes("0072B2"), Some([0, 0x72, 0xb2]));
         assert_eq!(lightened([0xe6, 0x9f, 0]), [0xe6, 0x9f, 0]);
-        // Black to a grey of contrast 4.5, and no lighter than needed.
+        // Black becomes a grey of contrast 4.5, and no lighter than needed.
         let [grey, ..] = lightened([0; 3]);
         assert!((0x70..0x90).contains(&grey), "{grey:x}");
         let rules = dark_rules("<path stroke=\"#000000\"/><rect fill=\"#440154\"/><text fill=\"#b03060\">a</text>");

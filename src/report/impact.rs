@@ -1,4 +1,4 @@
-//! Panels and tables of an impact without waves in a bar.
+//! Panels and tables of impact problems without waves in a bar.
 
 use super::axis::Axis;
 use super::colour::{ColourMap, hex};
@@ -13,10 +13,10 @@ use crate::record::store::{ResultFile, StoredColumn, StoredFigure, StoredImpact,
 /// Whole numbers below this are shown with all digits.
 const MOST_COUNT: f64 = 1e12;
 
-/// The histories of an impact, one panel for each title that its columns have, and its deflected shapes.
+/// Returns the histories of an impact, one panel for each title among its columns, and its deflected shapes.
 ///
 /// # Errors
-/// [`InputError`] where the result has no histories.
+/// [`InputError`] if the result has neither histories nor shapes.
 pub(super) fn panels<'a>(file: &ResultFile, impact: &StoredImpact, units: Units) -> Result<Vec<Content<'a>>> {
     let mut panels = histories(impact, units);
     panels.extend(shapes(impact, units));
@@ -28,7 +28,7 @@ pub(super) fn panels<'a>(file: &ResultFile, impact: &StoredImpact, units: Units)
     Ok(panels.into_iter().map(Content::Lines).collect())
 }
 
-/// The panels in the order of the columns.
+/// Returns the panels of histories in the order of the columns.
 fn histories(impact: &StoredImpact, units: Units) -> Vec<LinePanel> {
     let mut titles: Vec<&str> = Vec::new();
     let shown = |column: &&StoredColumn| !column.panel.is_empty();
@@ -56,7 +56,7 @@ fn history(impact: &StoredImpact, title: &str, units: Units) -> LinePanel {
         for (j, column) in columns.iter().enumerate() {
             let points = table.columns[0].values.iter().zip(&column.values);
             let points = points.map(|(t, v)| (t * time.factor, v * unit.factor)).collect();
-            // Tables of one kind, as gauges, have a colour each; columns of one table otherwise.
+            // Each of several tables of one kind, such as gauges, has its own colour; otherwise each column has.
             let stroke = match (table.x, j) {
                 (Some(_), 0) => Stroke::new(colour(i), 1.6),
                 (Some(_), _) => Stroke::new(colour(i), 1.4).dashed("6 4"),
@@ -80,7 +80,7 @@ fn history(impact: &StoredImpact, title: &str, units: Units) -> LinePanel {
     }
 }
 
-/// Deflection over x, a line a time.
+/// Returns the deflection against position, one line for each time, or `None` if there are no shapes.
 fn shapes(impact: &StoredImpact, units: Units) -> Option<LinePanel> {
     let shapes = impact.shapes.as_ref()?;
     let (&end, &length) = (shapes.time.last()?, shapes.x.last()?);
@@ -103,15 +103,15 @@ fn shapes(impact: &StoredImpact, units: Units) -> Option<LinePanel> {
     })
 }
 
-/// The value of a figure with its unit.
+/// Returns the value of a figure with its unit.
 pub(super) fn shown(figure: &StoredFigure, units: Units) -> String {
     let value = figure.value;
-    // Counts, and shares of exactly 0 or 1; plus zero takes the sign from -0.
+    // Whole numbers are counts, or fractions of exactly 0 or 1. Adding zero turns -0 into 0.
     let is_whole = figure.units == "1" && value.fract() == 0.0 && value.abs() < MOST_COUNT;
     if is_whole { format!("{:.0}", value + 0.0) } else { units.of_symbol(&figure.units, value.abs()).show(value) }
 }
 
-/// Rows of the figures: what it is, value with unit.
+/// Returns the rows of the table of figures: description, value with unit.
 pub(super) fn figures(impact: &StoredImpact, units: Units) -> Vec<Vec<String>> {
     let row = |figure: &StoredFigure| vec![figure.long_name.clone(), shown(figure, units)];
     let sentences = [("equation", &impact.equation), ("validity", &impact.validity)];

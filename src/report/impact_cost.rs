@@ -1,4 +1,4 @@
-//! Figure of a cost study of an impact: error against modes and against steps, all logarithmic.
+//! Figure of a cost study of an impact: error against the number of modes and against the number of steps, on logarithmic axes.
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Area, Drawing, Picture, Stroke};
@@ -9,7 +9,7 @@ use crate::study::impact_cost::{ImpactCost, ImpactPoint};
 const WIDTH: f64 = 520.0;
 const HEIGHT: f64 = 380.0;
 
-/// One panel for what was varied. SVG text.
+/// Draws one panel for each parameter that was varied.
 pub fn figure(cost: &ImpactCost) -> Picture {
     let mut drawing = Drawing::default();
     drawing.bold((18.0, 28.0), 19.0, Anchor::Start, &cost.scene);

@@ -1,4 +1,4 @@
-//! Figures of inverted curves.
+//! Figures of inverted stress-strain curves.
 
 use super::axis::Axis;
 use super::drawing::{Picture, Stroke};
@@ -23,7 +23,7 @@ fn stress_label(unit: Scale) -> String {
     format!("engineering stress ({})", unit.symbol)
 }
 
-/// A quantity against strain with its 95 % interval.
+/// Returns the lines of a quantity against strain and of its 95 % interval.
 fn banded(name: &str, points: &[WavePoint], of: fn(&WavePoint) -> Interval, unit: Scale) -> Vec<Series> {
     let line = |bound: fn(Interval) -> f64| -> Points {
         points.iter().map(|p| (PERCENT * p.strain, unit.of(bound(of(p))))).collect()
@@ -36,7 +36,7 @@ fn banded(name: &str, points: &[WavePoint], of: fn(&WavePoint) -> Interval, unit
     ]
 }
 
-/// The knots of a curve up to a strain.
+/// Returns the knots of a curve below a strain, and its point at that strain.
 fn knots(curve: &Curve, last: f64, unit: Scale) -> Points {
     let inside = curve.strain().iter().zip(curve.stress()).filter(|(e, _)| **e < last);
     let end = (PERCENT * last, unit.of(curve.stress_at(last)));
@@ -49,7 +49,7 @@ fn simulated(given: Option<&Curve>, last: f64, stress: Scale) -> Option<Series> 
     })
 }
 
-/// Stress, wave speed and impact velocity against strain, with their intervals. SVG text.
+/// Draws stress, wave speed and impact velocity against strain with their 95 % intervals, and the relative uncertainty of the stress.
 pub fn waves(title: &str, points: &[WavePoint], given: Option<&Curve>, units: System) -> Picture {
     const STRAIN: &str = "engineering strain (%)";
     let last = points.last().map_or(0.0, |p| p.strain);
@@ -76,7 +76,7 @@ pub fn waves(title: &str, points: &[WavePoint], given: Option<&Curve>, units: Sy
     })
 }
 
-/// Pulses, stresses, strain rates and the curve of a split-Hopkinson test. SVG text.
+/// Draws the pulses, stresses, strain rates and the curve of a split-Hopkinson test.
 pub fn hopkinson(title: &str, reduced: &Reduced, given: Option<&Curve>, units: System) -> Picture {
     const TIME: &str = "time since the pulse reached the specimen (\u{b5}s)";
     let unit = units.of_columns(Dimension::Stress);

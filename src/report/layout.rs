@@ -9,18 +9,18 @@ use crate::error::{InputError, Result};
 const MARGIN: f64 = 18.0;
 const GAP: f64 = 22.0;
 const HEADER: f64 = 64.0;
-/// Width of a figure of two columns, and of one panel alone.
+/// Widths of a figure with two columns, and of a single panel, px.
 const WIDTH: f64 = 1240.0;
 const ALONE: f64 = 620.0;
-/// Figures narrower than this have one column.
+/// Width below which a figure has one column, px.
 const NARROW: f64 = 800.0;
-/// Heights of the rows: with a map, and without.
+/// Heights of a row with an x-t diagram (and of a single panel), and of other rows, px.
 const TALL: f64 = 430.0;
 const LOW: f64 = 310.0;
-/// Smallest panel in which titles, ticks and labels leave room for lines.
+/// Width and height of the smallest panel in which titles, ticks and labels leave space for lines, px.
 const SMALLEST: [f64; 2] = [260.0, 200.0];
 
-/// What a panel shows.
+/// Content of a panel.
 pub(super) enum Content<'a> {
     Map(&'a View<'a>),
     Lines(LinePanel),
@@ -46,13 +46,13 @@ impl Content<'_> {
     }
 }
 
-/// Title and line of facts above the panels.
+/// Title and line of run parameters above the panels.
 pub(super) struct Heading {
     pub title: String,
     pub about: String,
 }
 
-/// All panels, lettered where there is more than one, two in a row where the figure is wide enough; `size` is that of the whole figure, px.
+/// Draws all panels, lettered if there are several, in two columns if the figure is wide enough. `size` is that of the whole figure, px.
 pub(super) fn compose(heading: Option<&Heading>, contents: &[Content], size: Option<[f64; 2]>) -> Result<Picture> {
     let header = if heading.is_some() { HEADER } else { MARGIN };
     let count = contents.len();
@@ -89,7 +89,7 @@ pub(super) fn compose(heading: Option<&Heading>, contents: &[Content], size: Opt
     Ok(drawing.finish(width, y - GAP + MARGIN))
 }
 
-/// One panel alone, without margins; `index` is its number among those of one page.
+/// Draws a single panel without margins; `index` is its number among the pictures of a page.
 pub(super) fn alone(content: &Content, [width, height]: [f64; 2], index: usize) -> Result<Picture> {
     let mut drawing = Drawing::of_page(index);
     content.draw(&mut drawing, Area { x: 0.0, y: 0.0, width, height }, None)?;

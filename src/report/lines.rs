@@ -1,48 +1,48 @@
-//! Figures of line panels in two columns.
+//! Figures of line panels in two columns, for studies and examples.
 
 use super::drawing::{Picture, Stroke};
 use super::grid;
 use super::panel::Series;
 use super::plot::colour;
 
-/// How a line is drawn.
+/// Style of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
-    /// Without gaps.
+    /// Solid line.
     Solid,
-    /// Long strokes.
+    /// Long dashes.
     Dashed,
-    /// Short strokes.
+    /// Short dashes.
     Dotted,
-    /// Circles instead of a line.
+    /// Circles at the points instead of a line.
     Marks,
 }
 
-/// A line of a panel.
+/// Line of a panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// For the legend; none where it is empty.
+    /// Name in the legend; a line with an empty name has no entry.
     pub name: String,
-    /// In the units of the axes.
+    /// Points in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Number of its colour, see [`colour`].
+    /// Index of its colour, see [`colour`].
     pub colour: usize,
-    /// Solid, dashed, ...
+    /// Line style.
     pub style: Style,
 }
 
-/// Lines over common axes, which reach from zero to all points.
+/// Lines over common axes, which include zero and all points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// Above it.
+    /// Title above the panel.
     pub title: String,
     /// Labels of the axes with their units in round brackets: "stress (MPa)".
     pub labels: [String; 2],
-    /// Drawn in this order.
+    /// Lines, drawn in this order.
     pub lines: Vec<Line>,
 }
 
-/// Panels two in a row, lettered (a), (b), ... where there is more than one.
+/// Draws panels in two columns, lettered (a), (b), ... if there are several.
 pub fn figure(title: &str, panels: &[Panel]) -> Picture {
     let drawn = |panel: &Panel| grid::Panel {
         heading: panel.title.clone(),

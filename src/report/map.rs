@@ -1,4 +1,4 @@
-//! The x-t diagram: a field as colours over the bar and time, an embedded image with fronts and gauges on top.
+//! The x-t diagram: a colour map of a field over position and time, as an embedded image with fronts, gauges and ruptures on top.
 
 use tiny_skia::{Pixmap, PremultipliedColorU8};
 
@@ -13,12 +13,12 @@ use crate::error::{Error, Result};
 use crate::record::store::Gauge;
 use crate::record::{FrontRow, PathRow};
 
-/// Pixels of the picture for each unit of the drawing: sharp in print without a large file.
+/// Pixels of the image for each px of the drawing: sharp in print without a large file.
 const FINENESS: f64 = 2.0;
-/// Room for the colour bar, px.
+/// Width of the space for the colour bar, px.
 const BAR_ROOM: f64 = 104.0;
 
-/// With fewer frames than this, what was between them is not shown as if it were known: each is a stripe.
+/// Number of frames below which the field is not interpolated in time: each frame is a stripe.
 const FEW_FRAMES: usize = 20;
 /// Height of a stripe, px.
 const STRIPE: f64 = 8.0;
@@ -36,13 +36,13 @@ fn is_sparse(view: &View) -> bool {
     view.time.len() < FEW_FRAMES
 }
 
-/// Draws the diagram: x to the right, time upwards.
+/// Draws the diagram with x to the right and time upwards.
 pub(super) fn draw(drawing: &mut Drawing, panel: Area, view: &View, heading: &str) -> Result<()> {
     let (time, length) = (view.time_unit(), view.length_unit());
     let gauges = view.file.gauges()?;
     axes::title(drawing, panel, heading);
     let frame = Frame {
-        // A row for the legend, and one for the names of the gauges.
+        // One row above the plot for the legend, and one for the names of the gauges.
         plot: axes::plot_area(panel, 1 + usize::from(!gauges.is_empty()), BAR_ROOM),
         x: Axis::new(length.label("position x"), 0.0, view.length * length.factor),
         y: Axis::new(time.label("time"), 0.0, view.end_time * time.factor),
@@ -61,7 +61,8 @@ pub(super) fn draw(drawing: &mut Drawing, panel: Area, view: &View, heading: &st
     Ok(())
 }
 
-/// The nearest frame for each row of pixels and the nearest sample for each column; NaN and times that are not known are grey.
+/// Returns the image as PNG, with the nearest frame for each row of pixels and the nearest sample for each column. NaN and times without a frame
+/// are grey. Also returns the range of the colours and the extreme values.
 fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range, Extremes)> {
     let (columns, rows) = ((frame.plot.width * FINENESS) as usize, (frame.plot.height * FINENESS) as usize);
     let samples: Vec<usize> =
@@ -89,8 +90,8 @@ fn picture(frame: &Frame, view: &View) -> Result<(Vec<u8>, Range, Extremes)> {
     Ok((png, range, extremes))
 }
 
-/// One line of sampled values for each row of pixels, in shown units. Frames are read one at a time, each once: a
-/// field may be larger than memory.
+/// Returns a line of sampled values in display units for each row of pixels. Frames are read one at a time, each once, since a field may be
+/// larger than memory.
 fn read_lines(view: &View, frames: &[Option<usize>], samples: &[usize]) -> Result<Vec<Vec<f64>>> {
     let factor = view.field_unit().factor;
     let mut lines: Vec<Vec<f64>> = Vec::with_capacity(frames.len());
@@ -109,8 +110,8 @@ fn read_lines(view: &View, frames: &[Option<usize>], samples: &[usize]) -> Resul
     Ok(lines)
 }
 
-/// Lowest and highest value, and those that the colours run between: where the outermost thousandth of all pixels takes up more than half of
-/// the range, it is left out.
+/// Extreme values of the field (`all`) and those at the ends of the colour range (`shown`). If the outermost thousandth of the pixels takes up
+/// more than half of the range, the colour range leaves it out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Extremes {
     all: [f64; 2],
@@ -118,9 +119,9 @@ struct Extremes {
 }
 
 impl Extremes {
-    /// Of values and, if given, a further one.
+    /// Determines the extremes of the values, including `other` if given.
     fn of(mut values: Vec<f64>, other: Option<f64>) -> Self {
-        /// Pixels for one that may be left out at either end.
+        /// One in this many pixels may be left out at either end.
         const FEW: usize = 1000;
         values.retain(|v| v.is_finite());
         if values.is_empty() {
@@ -128,7 +129,7 @@ impl Extremes {
         }
         let last = values.len() - 1;
         let mut value = |place: usize| *values.select_nth_unstable_by(place, f64::total_cmp).1;
-        // The least and the greatest are numbers of a kind for which NaN gives way.
+        // `min` and `max` ignore a NaN argument.
         let other = other.unwrap_or(f64::NAN);
         let (low, high) = (value(0).min(other), value(last).max(other));
         let (inner_low, inner_high) = (value(last / FEW).min(other), value(last - last / FEW).max(other));
@@ -137,7 +138,7 @@ impl Extremes {
     }
 }
 
-/// The fronts themselves where the file has them, otherwise lines at the speeds of theory.
+/// Draws the tracked fronts if the file has them, otherwise lines at the theoretical front speeds. Returns the legend entries.
 fn draw_lines(drawing: &mut Drawing, frame: &Frame, view: &View) -> Result<Vec<Series>> {
     let paths = view.file.paths()?;
     if !paths.is_empty() {
@@ -152,16 +153,16 @@ fn draw_lines(drawing: &mut Drawing, frame: &Frame, view: &View) -> Result<Vec<S
         .collect())
 }
 
-/// Most straight pieces that are drawn: more would hide the map.
+/// Largest number of front segments that are drawn; more would hide the map.
 const MOST_PATHS: usize = 4000;
-/// Weights of line, from the strongest jump down, each for jumps this many times weaker than the one before.
+/// Number of line weights, and ratio of the stress jumps of successive weights; the strongest jump has the heaviest line.
 const WEIGHTS: usize = 12;
 const WEAKER: f64 = 1.5;
-/// Pieces shorter than this, px, are not seen.
+/// Length below which a front segment is not visible, px.
 const SHORTEST: f64 = 0.4;
 
-/// Draws the strongest and longest of the fronts' straight pieces, thicker and darker the larger the jump in stress; true where all
-/// that could be seen are drawn.
+/// Draws the front segments with the largest product of stress jump and length, heavier and darker the larger the jump. Returns true if all
+/// visible segments are drawn.
 fn draw_paths(drawing: &mut Drawing, frame: &Frame, view: &View, paths: &[PathRow]) -> bool {
     let (time, length) = (view.time_unit().factor, view.length_unit().factor);
     let ends = |p: &PathRow| [(p.x0, p.t0), (p.x1, p.t1)].map(|(x, t)| frame.place((x * length, t * time)));
@@ -172,14 +173,14 @@ fn draw_paths(drawing: &mut Drawing, frame: &Frame, view: &View, paths: &[PathRo
         .filter(|(jump, ends)| *jump > 0.0 && size(*ends) >= SHORTEST)
         .collect();
     let all = visible.len() <= MOST_PATHS;
-    // Of a long weak front more is seen than of a short strong one.
+    // A long weak front is more visible than a short strong one.
     visible.sort_by(|a, b| (b.0 * size(b.1)).total_cmp(&(a.0 * size(a.1))));
     visible.truncate(MOST_PATHS);
     visible.sort_by(|a, b| b.0.total_cmp(&a.0));
     let strongest = visible.first().map_or(1.0, |p| p.0);
     let weight = |jump: f64| ((strongest / jump).ln() / WEAKER.ln()).min(WEIGHTS as f64 - 1.0) as usize;
     drawing.clipped(frame.plot, |drawing| {
-        // The weak ones first: the strong ones lie on top.
+        // Weak fronts are drawn first, so that strong ones lie on top.
         for class in visible.chunk_by(|a, b| weight(a.0) == weight(b.0)).rev() {
             let strength = 1.0 - weight(class[0].0) as f64 / WEIGHTS as f64;
             let points: Vec<(f64, f64)> = class.iter().flat_map(|(_, [a, b])| [*a, *b, (f64::NAN, f64::NAN)]).collect();
@@ -190,13 +191,13 @@ fn draw_paths(drawing: &mut Drawing, frame: &Frame, view: &View, paths: &[PathRo
     all
 }
 
-/// Lines at the theoretical speeds, from where each front started to where it was last seen. Of lines that would end
-/// closer together than this, px, only one is drawn: a smooth curve has dozens of fronts, which would hide the map.
+/// Smallest distance between the ends of neighbouring theoretical front lines, px; a line that ends closer to the one before is omitted. A
+/// smooth curve has dozens of fronts, which would hide the map.
 const APART: f64 = 22.0;
-/// Where the lines of a fan are closer than this, px, only the first is drawn: the fan's origin stays in sight.
+/// Distance between the lines of a fan below which only the first is drawn, px, so that the origin of the fan remains visible.
 const OPEN: f64 = 9.0;
 
-/// Draws the fronts; true where there was one.
+/// Draws lines at the theoretical speeds from the origin of each front to where it was last seen. Returns true if any line is drawn.
 fn draw_fronts(drawing: &mut Drawing, frame: &Frame, view: &View, fronts: &[FrontRow]) -> bool {
     let (time, length) = (view.time_unit().factor, view.length_unit().factor);
     let mut last: Option<[(f64, f64); 2]> = None;
@@ -231,7 +232,7 @@ fn draw_gauges(drawing: &mut Drawing, frame: &Frame, view: &View, mut gauges: Ve
         let x = frame.place((gauge.x * view.length_unit().factor, 0.0)).0;
         drawing.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("white", 2.4).opacity(0.7));
         drawing.line((x, frame.plot.y), (x, frame.plot.bottom()), &Stroke::new("#333", 1.2).dashed("1.5 3"));
-        // A name stands inside the plot's width and clear of the one before it; where its line would no longer be below it, it is left out.
+        // A name lies within the width of the plot and does not overlap the previous one. If it would no longer be above its line, it is omitted.
         let half = text_width(&gauge.name, 11.0) / 2.0;
         let middle = x.min(frame.plot.right() - half).max(frame.plot.x + half).max(free_from + half);
         if middle - half <= x {
@@ -241,7 +242,7 @@ fn draw_gauges(drawing: &mut Drawing, frame: &Frame, view: &View, mut gauges: Ve
     }
 }
 
-/// Where the bar broke, and the crack from then on.
+/// Draws the ruptures, each with a dashed line from then on. Returns the legend entry, or `None` if there are no ruptures.
 fn draw_ruptures(drawing: &mut Drawing, frame: &Frame, view: &View) -> Option<Series> {
     let (time, length) = (view.time_unit().factor, view.length_unit().factor);
     let points: Vec<(f64, f64)> = view.ruptures.iter().map(|r| (r.x * length, r.time * time)).collect();
@@ -261,7 +262,7 @@ fn colour_bar(drawing: &mut Drawing, frame: &Frame, range: &Range, extremes: Ext
     let step = bar.height / STEPS as f64;
     for i in 0..STEPS {
         let value = range.low + (range.high - range.low) * (i as f64 + 0.5) / STEPS as f64;
-        // A little overlap, or renderers leave hairlines between the steps.
+        // Adjacent steps overlap slightly, since renderers would leave hairlines between them.
         let area = Area { y: bar.bottom() - step * (i + 1) as f64, height: step + 0.6, ..bar };
         drawing.rect(area, &hex(range.colour(value)), None);
     }
@@ -270,7 +271,7 @@ fn colour_bar(drawing: &mut Drawing, frame: &Frame, range: &Range, extremes: Ext
     draw_cut(drawing, bar, extremes);
 }
 
-/// What the colours leave out, in words at the ends of the colour bar.
+/// Writes the extreme values outside the colour range at the ends of the colour bar.
 fn draw_cut(drawing: &mut Drawing, bar: Area, Extremes { all, shown }: Extremes) {
     let (middle, ink) = (bar.x + 0.5 * bar.width, Stroke::new(INK, 0.8));
     let ends = [(1, bar.y, -1.0, "up to"), (0, bar.bottom(), 1.0, "down to")];
@@ -295,7 +296,7 @@ mod tests {
         values[20] = f64::NAN;
         let spiked = Extremes::of(values.clone(), Some(0.0));
         assert_eq!((spiked.all, spiked.shown), ([-3000.0, 100.0], [0.0, 100.0]));
-        // A pulse that covers a part of the picture is no spike.
+        // A pulse that covers a part of the image is no spike.
         values[..200].fill(-3000.0);
         assert_eq!(Extremes::of(values, Some(0.0)).shown, [-3000.0, 100.0]);
     }

@@ -1,4 +1,4 @@
-//! Figures and pages from result files and studies.
+//! Figures and HTML pages of result files and of studies.
 
 mod axes;
 mod axis;

@@ -1,4 +1,4 @@
-//! The page of a result file: figure and tables.
+//! The HTML page of a result file: panels and tables.
 
 use super::display::{PLAIN, Unit, Units, four_digits};
 use super::figure::{Figure, pictures};
@@ -9,13 +9,13 @@ use crate::record::FrontRow;
 use crate::record::store::{Metadata, ResultFile, StoredImpact};
 use crate::solver::Energies;
 
-/// Width and height of a panel of the page, px: scaled to a phone of 360 px its text is still 10 px high.
+/// Width and height of a panel of the page, px. Scaled to a phone of 360 px width, its text is still 10 px high.
 const PANEL: [f64; 2] = [420.0, 330.0];
 
-/// A self-contained HTML page: the panels, metadata, figures, ruptures, fronts, ledger, audit, materials, scene.
+/// Returns a self-contained HTML page: panels, metadata, figures, ruptures, fronts, ledger, audit, materials and scene.
 ///
 /// # Errors
-/// As for [`draw`](super::draw).
+/// The same as those of [`draw`](super::draw).
 pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     let (metadata, units) = (file.metadata(), figure.units);
     let panels = pictures(file, figure, PANEL)?;
@@ -43,7 +43,7 @@ pub fn page(file: &ResultFile, figure: &Figure) -> Result<String> {
     Ok(html(&metadata.title, &sections))
 }
 
-/// The page of an impact that is not waves in a bar; `panels` is empty where it has no histories.
+/// Returns the page of an impact without waves in a bar; `panels` is empty if it has no histories.
 fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Units) -> Result<String> {
     let metadata = file.metadata();
     let results = table("Results", &[], &impact::figures(impact, units));
@@ -64,7 +64,7 @@ fn impact_page(file: &ResultFile, impact: &StoredImpact, panels: &str, units: Un
     Ok(html(&metadata.title, &kept))
 }
 
-/// Names and values of the root attributes.
+/// Rows of names and values of the root attributes.
 type Rows = Vec<Vec<String>>;
 
 fn metadata_table(metadata: &Metadata, units: Units) -> String {
@@ -80,7 +80,7 @@ fn metadata_table(metadata: &Metadata, units: Units) -> String {
     table("Run", &[], &rows)
 }
 
-/// What was simulated, by what method, and how it ended.
+/// Returns the outcome of the run, the method, the effects and the notes.
 fn method_rows(metadata: &Metadata, units: Units) -> Rows {
     let mut rows = Rows::new();
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
@@ -107,13 +107,13 @@ fn method_rows(metadata: &Metadata, units: Units) -> Rows {
     rows
 }
 
-/// How large the run was, how long it took, and its error.
+/// Returns the size of the run, its computing time and its error.
 fn cost_rows(metadata: &Metadata) -> Rows {
     let mut rows = Rows::new();
     let mut add = |name: &str, value: String| rows.push(vec![name.into(), value]);
     let counts = [
         ("cells", metadata.cells),
-        // By characteristics a step is an event.
+        // With front tracking, a step is an event.
         ("steps", metadata.steps.filter(|_| metadata.method != "moc")),
         ("events", metadata.events),
         ("cell steps", metadata.cell_steps),
@@ -169,7 +169,7 @@ fn front_head(units: Units, length: Unit) -> [String; 9] {
     ]
 }
 
-/// The cells below [`front_head`].
+/// Returns the cells of a front in the columns of [`front_head`].
 fn front_cells(front: &FrontRow, units: Units, length: Unit) -> [String; 9] {
     let (stress, speed) = (units.stress(), units.velocity());
     let difference = 100.0 * (front.speed_measured / front.speed - 1.0);

@@ -1,20 +1,20 @@
-//! A panel of lines: title, legend, axes, lines.
+//! A panel of lines: title, legend, axes and lines.
 
 use super::axes::{Frame, LEFT, LEGEND_ROW, TICK, TOP, plot_area, title};
 use super::axis::Axis;
 use super::display::four_digits;
 use super::drawing::{Anchor, Area, Drawing, INK, PAPER, RUPTURE, Stroke, text_width};
 
-/// Size of the text at values that an axis cuts off, px.
+/// Font size of the values that are cut off by an axis, px.
 const CUT: f64 = 11.0;
 
-/// A line with its name for the legend; an empty name has no entry.
+/// Line or marks with a name for the legend; an empty name has no entry.
 #[derive(Debug, Clone)]
 pub(super) struct Series {
     pub name: String,
     pub points: Vec<(f64, f64)>,
     pub stroke: Stroke,
-    /// Circles instead of a line.
+    /// True for circles at the points instead of a line.
     pub marks: bool,
 }
 
@@ -32,7 +32,7 @@ impl Series {
     }
 }
 
-/// What a panel shows.
+/// Panel of lines.
 #[derive(Debug, Clone)]
 pub(super) struct LinePanel {
     pub heading: String,
@@ -42,7 +42,7 @@ pub(super) struct LinePanel {
 }
 
 impl LinePanel {
-    /// Vertical dashed lines over the whole plot; nothing where there is none, or too many to tell apart.
+    /// Adds vertical dashed lines over the full height of the plot; adds none if there are more than eight, too many to tell apart.
     pub fn mark(&mut self, name: &str, places: &[f64]) {
         const MOST: usize = 8;
         if places.is_empty() || places.len() > MOST {
@@ -52,13 +52,13 @@ impl LinePanel {
         self.series.push(Series::line(name, points, Stroke::new(RUPTURE, 1.3).dashed("4 3")));
     }
 
-    /// Draws the panel; where the axis cuts off values, it says how far they reach.
+    /// Draws the panel. If the vertical axis cuts off values, the farthest values are written at the edges of the plot.
     pub fn draw(&self, drawing: &mut Drawing, area: Area) {
         let frame = line_panel(drawing, area, &self.heading, self.x.clone(), self.y.clone(), &self.series);
         self.draw_cut(drawing, &frame);
     }
 
-    /// A mark at the edge that the farthest value is cut off at, with that value.
+    /// Draws an arrow at each edge that cuts off values, with the farthest value.
     fn draw_cut(&self, drawing: &mut Drawing, frame: &Frame) {
         let seen = |p: &&(f64, f64)| p.1.is_finite() && (self.x.low..=self.x.high).contains(&p.0);
         let points = || self.series.iter().filter(|s| !s.marks).flat_map(|s| &s.points).filter(seen);
@@ -80,7 +80,7 @@ impl LinePanel {
     }
 }
 
-/// Draws a panel of lines: title, legend above the plot (nothing can lie under it), axes, lines.
+/// Draws a panel of lines: title, legend (above the plot, so that it hides nothing), axes, lines.
 pub(super) fn line_panel(
     drawing: &mut Drawing,
     panel: Area,
@@ -114,7 +114,7 @@ pub(super) fn draw_series(drawing: &mut Drawing, frame: &Frame, series: &Series)
     drawing.named_path(&series.name, &thinned(&points), &series.stroke);
 }
 
-/// Points for the eye: where many fall into one column of pixels, its first, lowest, highest and last stay.
+/// Returns the points that are visible: of each half px in width, only the first, lowest, highest and last point; all if there are at most 2000.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     const ENOUGH: usize = 2000;
     if points.len() <= ENOUGH {
@@ -133,7 +133,7 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     kept
 }
 
-/// Legend entries broken into rows that fit the width, each with its place from the left.
+/// Returns the legend entries in rows that fit the width, each entry with its distance from the left.
 pub(super) fn legend_rows(series: &[Series], width: f64) -> Vec<Vec<(f64, &Series)>> {
     let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
     let mut right = f64::INFINITY;
@@ -158,7 +158,7 @@ fn entry_width(series: &Series) -> f64 {
 pub(super) fn draw_legend(drawing: &mut Drawing, panel: Area, rows: &[Vec<(f64, &Series)>]) {
     for (index, row) in rows.iter().enumerate() {
         let y = panel.y + TOP + LEGEND_ROW * index as f64 + 6.0;
-        // A long name has the room on the left of the plot, too.
+        // A row with long names extends into the margin left of the plot.
         let end = row.last().map_or(0.0, |(place, series)| place + entry_width(series));
         let left = panel.x + LEFT - (LEFT + end - panel.width).clamp(0.0, LEFT);
         for (place, series) in row {

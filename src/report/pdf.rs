@@ -1,4 +1,4 @@
-//! A picture as a PDF of one page: lines and areas stay vectors, letters become areas, maps stay pictures.
+//! Writes a picture as a PDF of one page: lines and areas are vectors, letters are filled outlines, images are embedded.
 
 use std::collections::BTreeSet;
 
@@ -10,17 +10,17 @@ use tiny_skia::{LineJoin, Path, PathSegment, Pixmap, Point, PremultipliedColorU8
 use super::canvas::{self, Canvas, Line, Reason};
 use super::drawing::{Area, Picture};
 
-/// Points for each px of 1/96 inch.
+/// Points per px of 1/96 inch.
 const POINTS: f32 = 0.75;
 
-/// As SVG's.
+/// Miter limit, as the default of SVG.
 const MITER_LIMIT: f32 = 4.0;
 
 impl Picture {
-    /// The picture as a PDF file of one page, as large as the picture.
+    /// Returns the picture as a PDF file with one page of the size of the picture.
     ///
     /// # Errors
-    /// One sentence: a part that cannot be drawn.
+    /// A sentence with the reason, if an element cannot be drawn.
     pub fn pdf(&self) -> Result<Vec<u8>, Reason> {
         let [width, height] = [self.width, self.height].map(|size| size as f32 * POINTS);
         let mut page = Page { content: Content::new(), images: Vec::new(), opacities: BTreeSet::new() };
@@ -38,11 +38,11 @@ fn compressed(data: &[u8]) -> Vec<u8> {
     compressed
 }
 
-/// What is on the page so far.
+/// Content of the page so far.
 struct Page {
     content: Content,
     images: Vec<Pixmap>,
-    /// In thousandths.
+    /// Opacities used so far, in thousandths.
     opacities: BTreeSet<u16>,
 }
 
@@ -79,7 +79,7 @@ impl Canvas for Page {
 
     fn image(&mut self, area: &Area, pixels: Pixmap) {
         let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(|number| number as f32);
-        // A picture of PDF fills the unit square, and its first row is on top.
+        // A PDF image fills the unit square with its first row at the top.
         self.opacity(1.0);
         self.content.save_state().transform([width, 0.0, 0.0, -height, x, y + height]);
         self.content.x_object(Name(image_name(self.images.len()).as_bytes())).restore_state();
@@ -111,7 +111,7 @@ impl Page {
                     self.content.line_to(p.x, p.y);
                     p
                 }
-                // PDF has no curves of the second degree.
+                // PDF has no quadratic curves; the cubic one is identical.
                 PathSegment::QuadTo(control, p) => {
                     let third = |end: Point| {
                         let part = |end: f32, control: f32| end + (control - end) * 2.0 / 3.0;
@@ -175,13 +175,13 @@ impl Page {
     }
 }
 
-/// Red, green and blue of each pixel, on white paper.
+/// Returns red, green and blue of each pixel, blended with a white background.
 fn on_white(pixels: &Pixmap) -> Vec<u8> {
     let opaque = |p: &PremultipliedColorU8| [p.red(), p.green(), p.blue()].map(|part| part + (255 - p.alpha()));
     pixels.pixels().iter().flat_map(opaque).collect()
 }
 
-/// To a hundredth of a px: letters have many points, and nobody sees more.
+/// Rounds to a hundredth of a px: outlines of letters have many points, and finer differences are invisible.
 fn rounded(p: Point) -> Point {
     Point::from_xy((100.0 * p.x).round() / 100.0, (100.0 * p.y).round() / 100.0)
 }

@@ -1,4 +1,4 @@
-//! Common parts of all figures: colours, and output as SVG, PNG, PDF or HTML.
+//! Colours of all figures, and output as SVG, PNG, PDF or HTML.
 
 use std::path::Path;
 
@@ -7,35 +7,35 @@ use super::html::{html, picture};
 use crate::destination::{is_stdout, write_whole};
 use crate::error::{Error, InputError, Result};
 
-/// Pixels of a PNG for each SVG unit: 2.5 makes a panel of 520 units 1300 pixels wide, 300 dpi over 11 cm.
+/// Pixels of a PNG per px of the drawing. With 2.5, a panel of 520 px is 1300 pixels wide: 300 dpi over 11 cm.
 pub const PNG_SCALE: f32 = 2.5;
 
-/// Line colours that stay apart for colour-blind readers and in print (after Okabe and Ito, without the yellow).
+/// Line colours that colour-blind readers can distinguish, also in print (after Okabe and Ito, without yellow).
 pub const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000"];
 
-/// Colour of the i-th line; they repeat after the last.
+/// Returns the colour of the i-th line; the colours repeat after the last.
 pub fn colour(i: usize) -> &'static str {
     COLOURS[i % COLOURS.len()]
 }
 
-/// Kind of picture file, by its name.
+/// Format of a picture file, determined by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Vector picture.
     Svg,
-    /// Pixels.
+    /// Raster image.
     Png,
     /// Vector picture on a page of its size.
     Pdf,
-    /// A page that needs nothing else.
+    /// Self-contained page.
     Html,
 }
 
 impl Format {
-    /// The format of a file name, so that a wrong one is refused before any work is done.
+    /// Returns the format of a file name, so that a wrong name is refused before any work is done.
     ///
     /// # Errors
-    /// An [`InputError`] where the name ends in none of .svg, .png, .pdf, .html.
+    /// An [`InputError`] if the name ends in none of .svg, .png, .pdf, .html.
     pub fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         match extension.as_str() {
@@ -53,10 +53,10 @@ impl Format {
     }
 }
 
-/// Writes a picture in the format that the file name asks for. `title` is the title of an HTML page.
+/// Writes a picture in the format of the file name. `title` is the title of an HTML page.
 ///
 /// # Errors
-/// A name of no known kind, or a file that cannot be written.
+/// An error if the format is unknown or the file cannot be written.
 pub fn save(path: &Path, title: &str, figure: &Picture) -> Result<()> {
     let failed = |reason| Error::file(path, reason);
     match Format::of(path)? {
@@ -67,7 +67,7 @@ pub fn save(path: &Path, title: &str, figure: &Picture) -> Result<()> {
     }
 }
 
-/// A page of one figure.
+/// Returns a page of one figure.
 fn page(title: &str, svg: &str) -> String {
     html(title, &[("", &["<figure class=\"whole\">\n", &picture(title, svg), "</figure>"].concat())])
 }

@@ -1,4 +1,4 @@
-//! A picture as pixels.
+//! Writes a picture as PNG.
 
 use tiny_skia::{
     Color, FillRule, FilterQuality, Mask, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Stroke, StrokeDash, Transform,
@@ -8,10 +8,10 @@ use super::canvas::{self, Canvas, Line, Reason, rect};
 use super::drawing::{Area, Picture};
 
 impl Picture {
-    /// The picture as a PNG file, `scale` pixels for each px of the drawing.
+    /// Returns the picture as a PNG file with `scale` pixels per px of the drawing.
     ///
     /// # Errors
-    /// One sentence: a picture of no size, or too large for memory.
+    /// A sentence, if the picture has no size or is too large for memory, or if an element cannot be drawn.
     pub fn png(&self, scale: f32) -> Result<Vec<u8>, Reason> {
         let [width, height] = [self.width, self.height].map(|size| (size as f32 * scale).ceil() as u32);
         let pixels = Pixmap::new(width, height).ok_or("the picture has no size, or is too large for memory")?;
@@ -25,7 +25,7 @@ impl Picture {
 struct Sheet {
     pixels: Pixmap,
     scale: Transform,
-    /// The innermost one is last.
+    /// Active clipping regions, the innermost one last; each is the intersection with all outer ones.
     clips: Vec<Option<Mask>>,
 }
 
@@ -85,7 +85,7 @@ mod tests {
     use super::super::drawing::{Anchor, Drawing};
     use super::*;
 
-    /// Dark pixels of a drawing of 60 by 20 px.
+    /// Counts the dark pixels of a drawing of 60 by 20 px.
     fn ink(draw: impl FnOnce(&mut Drawing)) -> usize {
         let mut drawing = Drawing::default();
         draw(&mut drawing);

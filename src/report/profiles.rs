@@ -1,4 +1,4 @@
-//! The field along the bar at several times.
+//! Panel of the field along the bar at several times.
 
 use super::axis::Axis;
 use super::colour::{ColourMap, hex};
@@ -8,26 +8,26 @@ use super::view::{View, nearest};
 use crate::error::Result;
 use crate::record::{Field, FrontRow};
 
-/// Profiles in the panel; the last is at the end time.
+/// Number of profiles in the panel; the last one is at the end time.
 const PROFILES: usize = 5;
-/// With more fronts than this, their levels would be a grey band.
+/// Number of levels behind the fronts above which they are not drawn, since they would merge into a grey band.
 const MOST_LEVELS: usize = 10;
-/// Frames that the profiles are chosen from, and places at which they are compared.
+/// Number of frames from which the profiles are chosen, and largest number of positions at which they are compared.
 const CANDIDATES: usize = 60;
 const PLACES: usize = 2000;
 
-/// Line of the i-th of so many times: from dark to light.
+/// Returns the line style of the i-th of `count` times, from dark to light.
 pub(super) fn stroke(number: usize, count: usize) -> Stroke {
     let place = 0.82 * number as f64 / (count.max(2) - 1) as f64;
     Stroke::new(hex(ColourMap::Sequential.at(place)), 1.7)
 }
 
-/// The field against x at several times, with the levels behind the fronts where theory gives them.
+/// Returns the field against x at several times, with the theoretical levels behind the fronts if the field is stress or strain.
 pub(super) fn profiles(view: &View) -> Result<Option<LinePanel>> {
     let (time, length, unit) = (view.time_unit(), view.length_unit(), view.field_unit());
     let indices = snapshots(view)?;
     let first = indices.first().map_or(0.0, |&index| view.time[index]);
-    // Fronts that met other waves before the first profile have no level in it.
+    // A front that met other waves before the first profile has no level in it.
     let under_way: Vec<_> = view.theory_fronts()?.into_iter().filter(|front| front.last_seen >= first).collect();
     let mut series = levels(view, &under_way);
     let mut limits = Vec::new();
@@ -65,7 +65,7 @@ fn levels(view: &View, fronts: &[FrontRow]) -> Vec<Series> {
     vec![Series::line(name, points, Stroke::new(THEORY, 1.1).dashed("2 3"))]
 }
 
-/// Frames to draw: evenly spaced in time, unless a period of the bar would make them look alike.
+/// Returns the frames to draw: evenly spaced in time, unless profiles at these times look alike because of a period of the bar.
 fn snapshots(view: &View) -> Result<Vec<usize>> {
     let evenly = |count: usize| -> Vec<usize> {
         let mut frames: Vec<usize> =
@@ -82,20 +82,21 @@ fn snapshots(view: &View) -> Result<Vec<usize>> {
     for &frame in &candidates {
         profiles.push(view.file.field(view.field, frame..frame + 1)?.iter().step_by(step).copied().collect());
     }
-    // Each is among the candidates: their number is a multiple.
+    // Each of them is a candidate, since CANDIDATES is a multiple of PROFILES.
     let even: Vec<usize> = even.iter().filter_map(|frame| candidates.iter().position(|c| c == frame)).collect();
     Ok(distinct(&profiles, even).into_iter().map(|i| candidates[i]).collect())
 }
 
-/// The preferred profiles, or, where two of them look alike, profiles that differ most: the last one, then again and again the one farthest
-/// from those chosen so far.
+/// Returns the preferred profiles, or, if two of them look alike, the same number of profiles that differ most: the last one, and repeatedly
+/// the one with the largest distance from those chosen so far.
 fn distinct(profiles: &[Vec<f64>], preferred: Vec<usize>) -> Vec<usize> {
-    /// Profiles look alike whose difference is a smaller part of their sum, in the L1 norm: two pulses that overlap over 95 % of their length.
+    /// L1 norm of the difference of two profiles, relative to the sum of their norms, below which they look alike: that of two pulses that overlap
+    /// over 95 % of their length.
     const ALIKE: f64 = 0.05;
     let norm = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).filter(|v| v.is_finite()).sum::<f64>();
     let norms: Vec<f64> = profiles.iter().map(|p| norm(&mut p.iter().copied())).collect();
     let noise = 1e-3 * norms.iter().fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
-    // Relative to the profiles themselves: short pulses in different places differ as much as long ones.
+    // Relative to the norms of the profiles: short pulses at different positions differ as much as long ones.
     let distance = |a: usize, b: usize| {
         norm(&mut profiles[a].iter().zip(&profiles[b]).map(|(a, b)| a - b)) / (norms[a] + norms[b] + noise)
     };
@@ -120,7 +121,7 @@ fn distinct(profiles: &[Vec<f64>], preferred: Vec<usize>) -> Vec<usize> {
 mod tests {
     use super::distinct;
 
-    /// A pulse that runs round a bar of 60 places with a period of 20 frames.
+    /// Returns the profiles of a pulse that circulates in a bar of 60 samples with a period of 20 frames.
     fn round_trip(frame: usize) -> Vec<f64> {
         (0..60).map(|x| if (frame * 3) % 60 == x { 1.0 } else { 0.0 }).collect()
     }

@@ -1,4 +1,4 @@
-//! Tables of the figures and the ruptures of a bar.
+//! Tables of the figures and the ruptures of a bar for the page.
 
 use super::display::{PLAIN, Unit, Units};
 use super::html::{listed, table};
@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::record::figure_names;
 use crate::record::store::{ResultFile, StoredFigure, StoredPlace, StoredRupture};
 
-/// Kinds of places that have a table in common, and the head of its first column.
+/// Kinds of places that share a table, and the heading of its first column.
 const TABLES: [(&[&str], &str); 4] = [
     (&["left", "right", "joints"], "end or joint"),
     (&["gauges"], "gauge"),
@@ -15,12 +15,12 @@ const TABLES: [(&[&str], &str); 4] = [
     (&["fragments"], "fragment"),
 ];
 
-/// The figures: those of the whole bar, and a table for each kind of place; empty where there are none.
+/// Returns the tables of figures as HTML: those of the whole bar, and one table for each kind of place. Empty if there are no figures.
 pub(super) fn figures(file: &ResultFile, units: Units) -> Result<String> {
     let mut places = file.figures()?;
     let time = Units::time(file.time()?.last().copied().unwrap_or_default());
     let names = figure_names();
-    // Those of older programs come last.
+    // Unknown figures, such as those of older versions, come last.
     let order = |name: &str| names.iter().position(|known| *known == name).unwrap_or(names.len());
     for place in &mut places {
         place.figures.sort_by_key(|figure| order(&figure.name));
@@ -48,13 +48,13 @@ pub(super) fn figures(file: &ResultFile, units: Units) -> Result<String> {
     Ok(html)
 }
 
-/// A figure of several places, with the unit of all its values.
+/// Figure of several places, with a common unit.
 struct Column<'a> {
     name: &'a str,
     unit: Unit,
 }
 
-/// A row for each place, a column for each figure.
+/// Returns a table with a row for each place and a column for each figure.
 fn place_table(
     places: &[&StoredPlace],
     name: impl Fn(&StoredPlace) -> String,
@@ -74,29 +74,29 @@ fn figure<'a>(place: &'a StoredPlace, name: &str) -> Option<&'a StoredFigure> {
     place.figures.iter().find(|figure| figure.name == name)
 }
 
-/// Not a number where the place has no such figure.
+/// Returns the value of a figure of a place; NaN if the place does not have it.
 fn value(place: &StoredPlace, name: &str) -> f64 {
     figure(place, name).map_or(f64::NAN, |figure| figure.value)
 }
 
-/// Times are in the unit of those of the run, other values in that in which the largest one reads best.
+/// Returns a column. Times have the unit of the times of the run; other values have the unit that suits the largest one.
 fn column<'a>(places: &[&StoredPlace], name: &'a str, (units, time): (Units, Unit)) -> Column<'a> {
     let symbol = places.iter().find_map(|place| figure(place, name)).map_or("1", |figure| figure.units.as_str());
     let most = places.iter().map(|place| value(place, name).abs()).fold(0.0, f64::max);
     Column { name, unit: if symbol == "s" { time } else { units.of_symbol(symbol, most) } }
 }
 
-/// A name of a figure in words.
+/// Returns the name of a figure in words.
 pub(super) fn words(name: &str) -> String {
     name.replace('_', " ")
 }
 
-/// A place in words: "left end", "joint 2", "gauge middle".
+/// Returns the name of a place in words: "left end", "joint 2", "gauge middle".
 pub(super) fn place_name(kind: &str, name: &str) -> String {
     if name.is_empty() { format!("{kind} end") } else { format!("{} {name}", kind.trim_end_matches('s')) }
 }
 
-/// Where, when and of what the bar broke, in order of time; empty where it did not.
+/// Returns the table of ruptures (site, cause, position, time, stress, strain) in order of time; empty if the bar did not fracture.
 pub(super) fn ruptures(file: &ResultFile, units: Units) -> Result<String> {
     let ruptures = file.ruptures()?;
     let (Some(last), false) = (file.x()?.last().copied(), ruptures.is_empty()) else {

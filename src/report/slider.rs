@@ -1,4 +1,4 @@
-//! Profiles that a slider on a page runs through, from the first stored instant to the last.
+//! Profile with a time slider on an HTML page, from the first stored time to the last.
 
 use super::axis::Axis;
 use super::display::{Unit, Units};
@@ -12,29 +12,29 @@ use super::view::View;
 use crate::error::Result;
 use crate::impact::Shapes;
 
-/// Instants and places that a page holds at most: 533 kB in base64.
+/// Largest numbers of times and of positions on a page; together they take 533 kB in base64.
 const MOST_FRAMES: usize = 200;
 const MOST_PLACES: usize = 500;
 
-/// Profiles in the units shown.
+/// Profiles at several times, in display units except for `time`.
 pub(super) struct Profiles {
     heading: String,
     labels: [String; 2],
-    /// Of the bar or beam.
+    /// Length of the bar or beam.
     length: f64,
     time_unit: Unit,
-    /// s.
+    /// Times, s.
     time: Vec<f64>,
     x: Vec<f64>,
-    /// A row a time.
+    /// Values at the positions `x`, one row for each time.
     rows: Vec<Vec<f64>>,
-    /// Values that the axis must hold.
+    /// Values that the vertical axis must contain.
     limits: Vec<f64>,
-    /// Numbers of times and places in the file.
+    /// Numbers of times and of positions in the file.
     stored: [usize; 2],
 }
 
-/// Indices of at most `most` of so many, evenly spread, with the first and the last.
+/// Returns at most `most` of the indices below `count`, evenly distributed, with the first and the last.
 fn spread(count: usize, most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
@@ -43,13 +43,13 @@ fn spread(count: usize, most: usize) -> Vec<usize> {
 }
 
 impl Profiles {
-    /// The field that the figure shows.
+    /// Creates the profiles of the field that the figure shows.
     pub fn of_bar(view: &View) -> Result<Self> {
         let (length, unit) = (view.length_unit(), view.field_unit());
         let (frames, places) = (spread(view.time.len(), MOST_FRAMES), spread(view.x.len(), MOST_PLACES));
         let x: Vec<f64> = places.iter().map(|&i| view.x[i] * length.factor).collect();
         let (mut rows, mut limits) = (Vec::with_capacity(frames.len()), Vec::new());
-        // One at a time: a field may be larger than memory.
+        // Frames are read one at a time, since a field may be larger than memory.
         for &frame in &frames {
             let values = view.file.field(view.field, frame..frame + 1)?;
             let row: Vec<f64> = places.iter().map(|&i| values[(0, i)] * unit.factor).collect();
@@ -70,7 +70,7 @@ impl Profiles {
         })
     }
 
-    /// The deflection of a beam; none where there is no shape.
+    /// Creates the profiles of the deflection of a beam, or returns `None` if no shape is stored.
     pub fn of_beam(shapes: &Shapes, units: Units) -> Option<Self> {
         let (&end, &length) = (shapes.time.last()?, shapes.x.last()?);
         let most = shapes.deflection.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
@@ -92,7 +92,7 @@ impl Profiles {
         })
     }
 
-    /// The last profile with what a script needs to show the others; empty where there is but one.
+    /// Returns the last profile as HTML, with the data from which a script shows the others; empty if there is only one.
     pub fn html(&self, size: [f64; 2], index: usize) -> Result<String> {
         let (Some(last), Some(&end)) = (self.rows.last().filter(|_| self.rows.len() > 1), self.time.last()) else {
             return Ok(String::new());
@@ -131,7 +131,7 @@ impl Profiles {
         format!(" \u{b7} {} of {frames} frames, {} of {places} points", self.rows.len(), self.x.len())
     }
 
-    /// Numbers as base64 of little-endian binary32, half as long as text of the same digits.
+    /// Returns the data as JSON, with arrays as base64 of little-endian binary32: half as long as the same digits as text.
     fn data(&self) -> String {
         let text = |values: &mut dyn Iterator<Item = f64>| {
             base64(&values.flat_map(|value| (value as f32).to_le_bytes()).collect::<Vec<u8>>())

@@ -1,4 +1,4 @@
-//! A picture as SVG.
+//! Writes a picture as SVG.
 
 use std::fmt::Write as _;
 
@@ -7,14 +7,14 @@ use super::drawing::{
 };
 use super::html::escape;
 
-/// The fonts asked for, as in the other pictures; none is wider than [`text_width`](super::drawing::text_width) assumes.
+/// Preferred fonts, the first being that of PNG and PDF; none is wider than [`text_width`](super::drawing::text_width) assumes.
 const FONT: &str = "DejaVu Sans, Liberation Sans, Arial, Helvetica, sans-serif";
 
 impl Picture {
-    /// The picture as the text of an SVG file.
+    /// Returns the picture as the text of an SVG file.
     pub fn svg(&self) -> String {
         const MOST_CLIPS: usize = 100;
-        // What pictures on one page name inside themselves has names of its own.
+        // The number of the picture makes the identifiers of its clip paths unique on a page.
         let mut writer = Writer { text: String::new(), clips: MOST_CLIPS * self.number };
         writer.elements(&self.elements);
         let (Self { width, height, .. }, body) = (self, writer.text);
@@ -145,7 +145,7 @@ fn attributes(stroke: &Stroke) -> String {
     format!("stroke=\"{colour}\" stroke-width=\"{width:.3}\"{dash}{opacity}")
 }
 
-/// Base64 with padding (RFC 4648).
+/// Returns bytes as base64 with padding (RFC 4648).
 pub(super) fn base64(bytes: &[u8]) -> String {
     const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);

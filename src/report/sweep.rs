@@ -13,7 +13,7 @@ use super::results::{place_name, words};
 use crate::record::{dimension_of, without_unit};
 use crate::study::sweep::{Axis, Combine, Plan, Row, Status};
 
-/// Metrics that are drawn where the sweep file names none.
+/// Metrics that are drawn by default if the sweep file names none.
 const USUAL: [&str; 11] = [
     "left.peak_force_N",
     "left.peak_torque_N_m",
@@ -28,17 +28,17 @@ const USUAL: [&str; 11] = [
     "left.restitution",
 ];
 
-/// Most panels.
+/// Largest number of panels.
 const MOST: usize = 6;
 
-/// Words that first name the metrics which are drawn of an impact without waves, whose figures are its own.
+/// Words in the names of the metrics that are drawn first for impacts without waves in a bar, which have figures of their own.
 const TELLING: [&str; 5] = ["peak", "largest", "restitution", "duration", "permanent"];
 
-/// Parts of the names of metrics that come after the others: those of places, of the first of several contacts, and of an estimate.
+/// Parts of the names of metrics that are drawn last: those of places, of the first of several contacts, and of an estimate.
 const LESS_TELLING: [&str; 3] = [".", "first_contact_", "half_sine_"];
 
-/// Each metric that is a number in two cases at least, against the longest axis of numbers, with a line for every combination of the others.
-/// None where there is nothing to draw. SVG text.
+/// Draws each metric that is numeric in at least two cases against the numeric axis with the most values, with one line for every combination
+/// of values of the other axes. Returns `None` if there is nothing to draw.
 pub fn figure(title: &str, plan: &Plan, rows: &[Row]) -> Option<Picture> {
     let along = (0..plan.axes.len())
         .rev()
@@ -49,12 +49,12 @@ pub fn figure(title: &str, plan: &Plan, rows: &[Row]) -> Option<Picture> {
     (!panels.is_empty()).then(|| draw_from(title, &panels, None))
 }
 
-/// All its values are numbers.
+/// Returns true if all values of the axis are numbers.
 fn has_numbers(axis: &Axis) -> bool {
     axis.levels.iter().all(|level| level.si.is_some())
 }
 
-/// Those of the sweep file, else the usual ones of bars, else all numbers.
+/// Returns the metrics of the sweep file, otherwise the default ones for bars, otherwise all numeric ones.
 fn metrics(plan: &Plan, rows: &[Row]) -> Vec<String> {
     let has = |name: &str| rows.iter().any(|row| row.metrics.get(name).is_some_and(Value::is_number));
     if !plan.metrics.is_empty() {
@@ -63,7 +63,7 @@ fn metrics(plan: &Plan, rows: &[Row]) -> Vec<String> {
     if USUAL.iter().any(|name| has(name)) {
         return USUAL.map(str::to_owned).to_vec();
     }
-    // A case that failed has none.
+    // The names are those of all rows, since a failed case has no metrics.
     let mut seen = HashSet::new();
     let names = rows.iter().flat_map(|row| row.metrics.keys());
     let mut all: Vec<String> = names.filter(|name| seen.insert(name.as_str())).cloned().collect();
@@ -77,7 +77,7 @@ fn panel(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Option<Panel>
     let mut lines = lines(plan, rows, along, metric);
     let values = || lines.iter().flat_map(|line| &line.1).map(|point| point.1);
     values().next()?;
-    // A figure that is zero in all cases, such as the force at a free end, is drawn only where it is asked for.
+    // A metric that is zero in all cases, such as the force at a free end, is drawn only if the sweep file names it.
     if plan.metrics.is_empty() && values().all(|value| value == 0.0) {
         return None;
     }
@@ -100,7 +100,7 @@ fn panel(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Option<Panel>
     Some(Panel { heading, axes, series: drawn })
 }
 
-/// Names the other axes of numbers that change from case to case with the one that is drawn along.
+/// Returns a phrase that names the other numeric axes that vary together with the drawn one; empty for a full product.
 fn varied_with(plan: &Plan, along: usize) -> String {
     let varies = |k: &usize| {
         let axis = &plan.axes[*k];
@@ -113,13 +113,13 @@ fn varied_with(plan: &Plan, along: usize) -> String {
     }
 }
 
-/// The unit to show values in.
+/// Returns the unit in which values are shown.
 fn unit(symbol: &str, values: impl Iterator<Item = f64>) -> Unit {
     let most = values.fold(0.0, |most: f64, value| most.max(value.abs()));
     Units::Si.of_symbol(symbol, most)
 }
 
-/// The name of a metric in words: `left.peak_force_N` is "peak force at the left end".
+/// Returns the name of a metric in words: `left.peak_force_N` is "peak force at the left end".
 fn spoken(metric: &str) -> String {
     let name = without_unit(metric.strip_prefix("figures.").unwrap_or(metric));
     let (place, name) = name.rsplit_once('.').unwrap_or(("", name));
@@ -133,7 +133,7 @@ fn spoken(metric: &str) -> String {
     }
 }
 
-/// A key of the scene in words: `left.value` of a velocity is "velocity of the left end", `bar.length` is "bar length".
+/// Returns a scene key in words: `left.value` of a velocity is "velocity of the left end", `bar.length` is "bar length".
 fn spoken_key(key: &str, unit: &str) -> String {
     let words = |text: &str| text.replace(['.', '-', '_'], " ");
     let (place, name) = key.rsplit_once('.').unwrap_or(("", key));
@@ -147,7 +147,7 @@ fn spoken_key(key: &str, unit: &str) -> String {
     }
 }
 
-/// A value as it stands in the sweep file; the file of a material by its name alone.
+/// Returns a value as it is written in the sweep file; a material file by its name without folder and ending.
 fn spoken_value(typed: &str) -> &str {
     let text = typed.trim_matches('"');
     let file = std::path::Path::new(text);
@@ -155,15 +155,16 @@ fn spoken_value(typed: &str) -> &str {
     file.file_stem().and_then(std::ffi::OsStr::to_str).filter(|_| is_file).unwrap_or(text)
 }
 
-/// A line of the figure, and its points.
+/// Name of a line, and its points.
 type Named = (String, Vec<(f64, f64)>);
 
-/// What stands for a case along an axis; none if either is no number.
+/// Returns the point of a case: its value on the axis and that of the metric. `None` if either is not a number.
 fn point(plan: &Plan, row: &Row, along: usize, metric: &str) -> Option<(f64, f64)> {
     Some((plan.levels(row.case)[along].si?, row.metrics.get(metric)?.as_f64()?))
 }
 
-/// One line for each combination of the other axes. Axes of numbers that vary beside the first one are none.
+/// Returns one line for each combination of values of the other axes. Numeric axes that vary together with the drawn one do not count. Empty if
+/// no line has two points.
 fn lines(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Vec<Named> {
     let mut lines: Vec<Named> = Vec::new();
     for row in rows {
@@ -189,8 +190,8 @@ fn lines(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Vec<Named> {
     lines
 }
 
-/// A line, with a mark for each case if they are few; marks alone for values in no order, such as random samples.
-/// Lines that coincide differ by their dashes.
+/// Returns a line with a mark for each case if there are at most 40; only marks if the values have no order, such as random samples. Lines
+/// differ in their dash patterns, so that coincident ones remain visible.
 fn series((i, (name, points)): (usize, Named), ordered: bool) -> Vec<Series> {
     const FEW: usize = 40;
     let stroke = Stroke::new(colour(i), 1.6);

@@ -1,4 +1,4 @@
-//! Figure of a tension-impact test.
+//! Figure of a tension-impact study.
 
 use super::drawing::Picture;
 use super::lines::{Line, Panel, Style, figure};
@@ -7,11 +7,11 @@ use crate::units::{Dimension, Scale, System};
 
 const PERCENT: f64 = 0.01;
 
-/// Velocities, as parts of the critical one, whose residual strain is drawn.
+/// Impact velocities, relative to the critical velocity, for which the residual strain is drawn.
 const PROFILES: [f64; 4] = [0.25, 0.6, 0.95, 1.1];
 
-/// Elongation, energy and place of fracture against impact velocity, with the critical velocity and the elongation at the maximum of the curve; and the
-/// residual strain at some velocities. SVG text.
+/// Draws elongation, energy absorbed and place of fracture against impact velocity, with the critical velocity and the elongation at the maximum
+/// of the curve, and the residual strain at some velocities.
 pub fn draw(results: &Results, units: System) -> Picture {
     let [energy, length] = [Dimension::Energy, Dimension::Length].map(|dimension| units.of_columns(dimension));
     let mut panels = vec![
@@ -50,7 +50,7 @@ fn line(name: impl Into<String>, points: Vec<(f64, f64)>, colour: usize, style: 
     Line { name: name.into(), points, colour, style }
 }
 
-/// The points, and the critical velocity of the curve as a vertical line.
+/// Returns a panel with the points, and the critical velocity of the curve as a vertical line.
 fn against_velocity(
     results: &Results,
     units: System,

@@ -1,4 +1,4 @@
-//! Figure of an imported record: before and after the reduction.
+//! Figure of imported test records: before and after the reduction.
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Area, Drawing, Picture, Stroke};
@@ -15,25 +15,25 @@ const TOP: f64 = 40.0;
 const MPA: f64 = 1e6;
 const PERCENT: f64 = 0.01;
 
-/// Strain up to which the start of the curve is shown.
+/// Largest strain in the panel of the start of the curve.
 const START: f64 = 0.015;
 
-/// Width of the curve of one of several tests, which shows beside the thin line of their mean.
+/// Line width of the curve of one of several tests, so that it remains visible beside the thin line of the mean.
 const TEST: f64 = 2.8;
 
-/// A record with the curve made of it.
+/// Test record with the curve derived from it.
 #[derive(Debug, Clone, Copy)]
 pub struct Drawn<'a> {
     /// Name of the record.
     pub name: &'a str,
-    /// (strain, stress in Pa) as read, magnitudes.
+    /// Strain and stress (Pa) as read, magnitudes.
     pub record: &'a [(f64, f64)],
-    /// What was made of it.
+    /// Curve and results of the reduction.
     pub reduction: &'a Reduction,
 }
 
-/// The records before and after: the whole curves, and their start with the elastic line and the proof stress. Several tests have their
-/// mean (strain, stress in Pa) with a band of one standard deviation.
+/// Draws the records and their curves in two panels: whole, and their start with the elastic line and the proof stress. For several tests,
+/// `mean` is their mean (strain, stress in Pa), drawn with a band of one standard deviation.
 pub fn figure(title: &str, tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Picture {
     let mut drawing = Drawing::default();
     drawing.bold((MARGIN, 26.0), 17.0, Anchor::Start, title);
@@ -94,7 +94,7 @@ fn series(tests: &[Drawn<'_>], mean: Option<(&[(f64, f64)], &Scatter)>) -> Vec<S
     series
 }
 
-/// The mean of several tests and a band of one standard deviation, thin above the curves of the tests.
+/// Returns the mean of several tests and the limits of the band of one standard deviation, as thin lines above the curves of the tests.
 fn with_band(rows: &[(f64, f64)], scatter: &Scatter) -> [Series; 3] {
     let band = |sign: f64| -> Vec<(f64, f64)> {
         let rows = scatter.deviation.iter().filter_map(|&(e, d)| {
@@ -113,7 +113,7 @@ fn with_band(rows: &[(f64, f64)], scatter: &Scatter) -> [Series; 3] {
     ]
 }
 
-/// The line of the modulus through a plastic strain of 0.2 %, with its crossing.
+/// Returns the elastic line through a plastic strain of 0.2 % and the proof stress where it meets the curve; nothing for several tests.
 fn elastic_lines(tests: &[Drawn<'_>]) -> Vec<Series> {
     let [test] = tests else { return Vec::new() };
     let (modulus, offset) = (test.reduction.modulus, crate::test_record::PROOF_OFFSET);

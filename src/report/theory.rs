@@ -1,4 +1,4 @@
-//! Panels that compare a run with theory: front speeds, the self-similar solution, the path in the stress-strain plane.
+//! Panels that compare a run with theory: front speeds, the self-similar solution, and the path in the stress-strain plane.
 
 use super::axis::Axis;
 use super::drawing::{Stroke, THEORY};
@@ -9,7 +9,7 @@ use super::view::{View, nearest};
 use crate::error::Result;
 use crate::record::{Field, FrontRow};
 
-/// Speed of every front over the strains that it carries: theory as steps, measurement as rings.
+/// Returns the speed of every front against the strains ahead of it and behind it: theory as steps, measured speeds as circles at the mean strain.
 pub(super) fn speeds(view: &View) -> Result<Option<LinePanel>> {
     let fronts = view.theory_fronts()?;
     if fronts.is_empty() {
@@ -33,22 +33,22 @@ pub(super) fn speeds(view: &View) -> Result<Option<LinePanel>> {
     Ok(Some(LinePanel { heading: "speed of the fronts".into(), x, y, series }))
 }
 
-/// What theory gives, below what was simulated.
+/// Returns the style of theoretical lines: broad and pale, below the simulated ones.
 fn broad() -> Stroke {
     Stroke::new(THEORY, 5.0).opacity(0.45)
 }
 
-/// The curve of the i-th material: each has a tint of its own.
+/// Returns the style of the curve of the i-th material: each has its own tint.
 fn of_material(i: usize) -> Stroke {
     const TINTS: [&str; 4] = [THEORY, "#b8860b", "#4682b4", "#6b8e23"];
     Stroke { colour: TINTS[i % TINTS.len()].into(), ..broad() }
 }
 
-/// Times of the self-similar panel.
+/// Number of times in the self-similar panel.
 const SIMILAR: usize = 3;
 
-/// The field over x/t: in a fan from one end all times fall on one curve, which theory gives for strain and stress. Strain, unless the field
-/// was asked for.
+/// Returns the field against x/t: in a fan from one end, the curves of all times coincide, and theory gives them for strain and stress. Shows
+/// the strain if it is recorded, unless a field was requested. Returns `None` without a fan from an end.
 pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
     let fronts = view.theory_fronts()?;
     let Some(side) = ["left", "right"].into_iter().find(|side| fronts.iter().any(|f| f.origin == *side)) else {
@@ -58,7 +58,7 @@ pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
     fan.sort_by(|a, b| a.speed.abs().total_cmp(&b.speed.abs()));
     let field = if !view.asked && view.file.fields().contains(&Field::Strain) { Field::Strain } else { view.field };
     let unit = view.units.velocity();
-    // Until the first front meets another wave, or the end sends out one that theory does not have.
+    // Up to the first interaction of a front with another wave, or the first later change of the load, which theory does not include.
     let bounds = fan.iter().flat_map(|f| [f.last_seen, f.load_held_until]);
     let until = bounds.filter(|t| t.is_finite()).fold(view.end_time, f64::min);
     let last = 1.15 * fan.last().map_or(0.0, |f| f.speed.abs()) * unit.factor;
@@ -86,7 +86,7 @@ pub(super) fn similarity(view: &View) -> Result<Option<LinePanel>> {
     Ok(Some(LinePanel { heading, x: Axis::new(unit.label(label), 0.0, last), y, series }))
 }
 
-/// A frame over the distance from the end divided by time.
+/// Returns a frame of the field against the distance from the end divided by time.
 fn over_speed(view: &View, field: Field, side: &str, frame: usize, last: f64) -> Result<Series> {
     let (time, factor) = (view.time[frame], view.units.field(field).factor);
     let values = view.file.field(field, frame..frame + 1)?;
@@ -96,7 +96,7 @@ fn over_speed(view: &View, field: Field, side: &str, frame: usize, last: f64) ->
     Ok(Series::line(view.time_unit().brief(time), points, Stroke::new(THEORY, 1.6)))
 }
 
-/// Constant between the fronts, slowest first.
+/// Returns the theoretical field against x/t, constant between the fronts, which are sorted by speed; `None` unless it is strain or stress.
 fn fan_of_theory(field: Field, fan: &[&FrontRow], last: f64, speed: f64, factor: f64) -> Option<Vec<(f64, f64)>> {
     let [behind, ahead]: [fn(&FrontRow) -> f64; 2] = match field {
         Field::Strain => [|f| f.strain_behind, |f| f.strain_ahead],
@@ -110,7 +110,8 @@ fn fan_of_theory(field: Field, fan: &[&FrontRow], last: f64, speed: f64, factor:
     Some(points)
 }
 
-/// Stress over strain at the gauges (or at four places along the bar), with the curves of the materials. What stays in one state has no path.
+/// Returns stress against strain at the gauges (or at four positions along the bar), with the curves of the materials. A position whose state
+/// does not change has no path.
 pub(super) fn path(view: &View) -> Result<Option<LinePanel>> {
     let unit = view.units.stress();
     let paths = gauge_paths(view)?;
@@ -127,7 +128,7 @@ pub(super) fn path(view: &View) -> Result<Option<LinePanel>> {
     let mut series: Vec<Series> = Vec::new();
     let lines = paths.into_iter().enumerate().map(|(i, (name, points))| {
         let points = points.into_iter().map(|(strain, stress)| (strain, stress * unit.factor)).collect();
-        // From one frame to the next a state may take any way.
+        // Between two frames, the state may follow any path.
         let series = if sampled { Series::marks } else { Series::line };
         series(name, points, Stroke::new(colour(i), 1.6))
     });
@@ -158,7 +159,7 @@ fn gauge_paths(view: &View) -> Result<Vec<Path>> {
     Ok(view.file.gauges()?.into_iter().map(path).collect())
 }
 
-/// At the left end, at a quarter, in the middle and at the right end of the bar, frame by frame.
+/// Returns the states at the left end, at a quarter, in the middle and at the right end of the bar, frame by frame.
 fn sampled_paths(view: &View) -> Result<Vec<Path>> {
     let fields = view.file.fields();
     if !(fields.contains(&Field::Stress) && fields.contains(&Field::Strain)) {
@@ -175,7 +176,7 @@ fn sampled_paths(view: &View) -> Result<Vec<Path>> {
     Ok(samples.iter().enumerate().map(path).collect())
 }
 
-/// The part of a curve inside the axes, with the points where it crosses their ends.
+/// Returns the part of a curve inside the axes, with the points where it crosses their limits.
 fn within(curve: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
     let mut kept = Vec::new();
     for pair in curve.windows(2) {
@@ -205,7 +206,7 @@ mod tests {
     fn curves_end_where_the_axes_do() {
         let curve = [(-1.0, -10.0), (0.0, 0.0), (1.0, 10.0), (3.0, 12.0)];
         let kept = within(&curve, &Axis::new("", -0.1, 2.0), &Axis::new("", -5.0, 20.0));
-        // Crossings are rounded.
+        // Crossings are exact only to rounding.
         let near = |found: (f64, f64), exact: (f64, f64)| (found.0 - exact.0).hypot(found.1 - exact.1) < 1e-12;
         assert!(near(kept[0], (-0.1, -1.0)) && near(kept[kept.len() - 1], (2.0, 11.0)), "{kept:?}");
         assert!(within(&curve, &Axis::new("", 5.0, 6.0), &Axis::new("", -5.0, 20.0)).is_empty());

@@ -1,25 +1,25 @@
-//! The data and units of a run shared by all panels of a figure.
+//! Data and units of a run that all panels of a figure share.
 
 use super::display::{Unit, Units, field_name};
 use crate::error::Result;
 use crate::record::store::{ResultFile, StoredRupture};
 use crate::record::{Field, FrontRow, INTERIOR};
 
-/// What every panel needs to know of the run.
+/// Data of a run for the panels.
 pub(super) struct View<'a> {
     pub file: &'a ResultFile,
     pub field: Field,
-    /// The field was asked for, and is not just the one that there is.
+    /// True if the field was requested, rather than chosen by default.
     pub asked: bool,
     pub units: Units,
     pub time: Vec<f64>,
     pub x: Vec<f64>,
-    /// Of the bar, m.
+    /// Length of the bar, m.
     pub length: f64,
-    /// s.
+    /// Time of the last frame, s.
     pub end_time: f64,
     pub ruptures: Vec<StoredRupture>,
-    /// The bar is twisted: fields are those of its surface.
+    /// True for a bar in torsion, whose fields are those at its surface.
     pub torsion: bool,
 }
 
@@ -32,7 +32,7 @@ impl View<'_> {
         self.units.length(self.length)
     }
 
-    /// Name of the field for axes.
+    /// Returns the name of the field for axes.
     pub fn field_name(&self) -> &'static str {
         self.name_of(self.field)
     }
@@ -45,25 +45,25 @@ impl View<'_> {
         self.units.field(self.field)
     }
 
-    /// What the axis of a field starts from: zero, but for temperatures.
+    /// Returns the value that the axis of a field always includes: zero, or `None` for temperatures.
     pub fn zero(field: Field) -> Option<f64> {
         (field != Field::Temperature).then_some(0.0)
     }
 
-    /// What the fans of theory are called: they follow the curve whatever the strain rate.
+    /// Returns the name of the theory of the fans, which follows the quasi-static curve at all strain rates.
     pub fn theory(&self) -> &'static str {
         let with_rate = self.file.metadata().effects.iter().any(|effect| effect.starts_with("rate"));
         if with_rate { "theory without rate" } else { "theory" }
     }
 
-    /// The fronts that theory knows: the edges of the first fans.
+    /// Returns the fronts that theory predicts: those of the fans from the ends and joints.
     pub fn theory_fronts(&self) -> Result<Vec<FrontRow>> {
         let mut fronts = self.file.fronts()?;
         fronts.retain(|front| front.origin != INTERIOR);
         Ok(fronts)
     }
 
-    /// A field at some samples, frame by frame. Frames are read a block at a time: a field may be larger than memory.
+    /// Returns the history of a field at each of some samples. Frames are read in blocks, since a field may be larger than memory.
     pub fn columns(&self, field: Field, samples: &[usize]) -> Result<Vec<Vec<f64>>> {
         const BLOCK: usize = 64;
         let mut columns = vec![Vec::with_capacity(self.time.len()); samples.len()];
@@ -78,15 +78,16 @@ impl View<'_> {
         Ok(columns)
     }
 
-    /// Values that the axis of a line must hold: all of an exact solution, otherwise without spikes of a few samples.
+    /// Returns the values that the axis of a line must contain: all values with front tracking, otherwise the extremes without spikes of a few
+    /// samples.
     pub fn limits(&self, points: &[(f64, f64)]) -> Vec<f64> {
-        // Steps of fronts are few rows and no spikes.
+        // With front tracking, steps at fronts have few samples and are not spikes.
         if self.file.metadata().method == "moc" { points.iter().map(|p| p.1).collect() } else { without_spikes(points) }
     }
 }
 
-/// Lowest and highest value for the axis. A sudden start can leave a few samples far outside (a first step carries
-/// the whole jump); where leaving out the five most extreme samples halves the range, they run out of the frame.
+/// Returns the lowest and the highest value for the axis. A sudden start can leave a few samples far outside (the first step contains the whole
+/// jump). If omitting the five most extreme samples halves the range, the axis omits them.
 fn without_spikes(points: &[(f64, f64)]) -> Vec<f64> {
     const SPIKE: usize = 5;
     let mut values: Vec<f64> = points.iter().map(|p| p.1).filter(|v| v.is_finite()).collect();
@@ -102,7 +103,7 @@ fn without_spikes(points: &[(f64, f64)]) -> Vec<f64> {
     vec![keep(low, inner_low), keep(high, inner_high)]
 }
 
-/// Index of the value nearest to `target` in an increasing list that is not empty.
+/// Returns the index of the value nearest to `target` in an increasing list that is not empty.
 pub(super) fn nearest(values: &[f64], target: f64) -> usize {
     let after = values.partition_point(|v| *v < target);
     if after == 0 {
@@ -121,7 +122,7 @@ mod tests {
         assert_eq!(without_spikes(&points), [0.0, 99.0]);
         points[3].1 = -5000.0;
         assert_eq!(without_spikes(&points), [0.0, 99.0]);
-        // A pulse that lasts is no spike.
+        // A long pulse is not a spike.
         points[10..30].iter_mut().for_each(|p| p.1 = -5000.0);
         assert_eq!(without_spikes(&points), [-5000.0, 99.0]);
     }

@@ -1,5 +1,5 @@
-//! How far a run on a grid may be off: from runs of the same bar with about a half, a quarter and an eighth of the cells. They take a third
-//! of the run's stepping time, or somewhat more where the lengths of several segments leave no choice of the cells.
+//! Error estimate of a run on a grid, from runs of the same bar with about a half, a quarter and an eighth of the cells. They take a third of the
+//! run's stepping time, or somewhat more if the lengths of several segments restrict the number of cells.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,40 +17,40 @@ use crate::solver::moc::Settings;
 use std::f64::consts::SQRT_2;
 use std::ops::ControlFlow;
 
-/// Steps of the fine grid per step with an eighth of the cells: runs are compared after multiples of this number.
+/// Number of steps of the fine grid per step with an eighth of the cells: runs are compared after multiples of this number.
 const COMMON: usize = 8;
 
-/// Cells below which nothing is halved.
+/// Smallest number of cells for which an error is estimated.
 const LEAST_CELLS: usize = 8;
-/// Cells from which on an eighth of them is run too.
+/// Smallest number of cells for which a run with an eighth of them is added.
 const LEAST_TO_CONFIRM: usize = 32;
-/// Fewest cells that are asked of a companion.
+/// Smallest number of cells requested for a companion.
 const FEWEST_CELLS: usize = 2;
-/// Least ratio of the cells of two runs that are compared: what is left of an error is four times the difference there.
+/// Smallest ratio of the cells of two runs that are compared; at this ratio the remaining error is four times the difference.
 const LEAST_RATIO: f64 = SQRT_2;
 
 /// Work between two calls of the progress function, cell-steps.
 const WORK_BETWEEN_CALLS: u64 = 4_000_000;
 
-/// The reference of bars through which one fan runs.
+/// Name of the reference for bars with a single fan.
 pub(super) const SIMILAR: &str = "self-similar solution";
 
-/// Why a peak has no error.
+/// Reason for which a peak force has no error estimate.
 const NO_LIMIT: &str = "; the peak force of a sudden load of a rate-dependent bar is not compared: it grows as the time step \
                         falls, by most rate laws with the logarithm of 1/dt, up to that of an elastic bar";
 
-/// What a run on a grid gave, without recorders.
+/// Results of a run on a grid, without recorders.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Coarse {
     pub response: Response,
-    /// Nothing has yielded.
+    /// Whether nothing has yielded.
     pub elastic: bool,
     pub cells: usize,
-    /// Steps times cells.
+    /// Number of steps times number of cells.
     pub work: u64,
 }
 
-/// Instants at which a run of so many steps stands at the same times as coarser ones, s.
+/// Returns the instants of a run of `steps` steps that are also steps of the coarser runs, s.
 pub(super) fn common_instants(steps: usize, dt: f64) -> Vec<f64> {
     if steps < COMMON {
         return vec![steps as f64 * dt];
@@ -59,7 +59,7 @@ pub(super) fn common_instants(steps: usize, dt: f64) -> Vec<f64> {
     evenly(&all, 2 * INSTANTS)
 }
 
-/// The error with the largest entry of a table as its value.
+/// Returns the error whose value is the largest entry of a table.
 pub(super) fn figure(table: ErrorTable, reference: String) -> ErrorFigure {
     let largest = table.largest();
     let measure =
@@ -67,14 +67,15 @@ pub(super) fn figure(table: ErrorTable, reference: String) -> ErrorFigure {
     ErrorFigure { value: largest.map_or(0.0, |largest| largest.1), measure, reference, table: Some(table) }
 }
 
-/// The response by the self-similar solution at the instants of another one, where the scene has such a solution up to the last of them.
+/// Returns the response of the self-similar solution at the instants of another response; `None` if the scene has no such solution up to the last of
+/// them.
 pub(super) fn similar(scene: &Scene, initial_fans: &[InitialFan], like: &Response) -> Option<Response> {
     let initial_fan = record::alone(&scene.bar, initial_fans, like.time())?;
     Some(similar_response(&scene.bar, initial_fan, &like.instants(), &scene.record.gauge_places()))
 }
 
-/// A bar on a grid, run without recorders; the fields are read near `instants` (s, increasing). None if the caller requests a stop, or
-/// the method has no grid.
+/// Simulates a bar on a grid without recorders; the fields are read near `instants` (s, increasing). Returns `None` if `progress` requests a stop, or
+/// if the method has no grid.
 pub(super) fn coarse(
     scene: &Scene,
     method: Method,
@@ -86,7 +87,7 @@ pub(super) fn coarse(
     assemble::solve(scene, Task { scene, instants, progress })
 }
 
-/// A coarse run.
+/// Coarse run of a scene.
 struct Task<'a> {
     scene: &'a Scene,
     instants: &'a [f64],
@@ -114,9 +115,9 @@ impl assemble::Task for Task<'_> {
     }
 }
 
-/// A method of a run on a grid and of its companions, the finest first, and the cells that they come to. The cells asked of a companion are a half
-/// of those asked of the one before; where segments need other numbers of cells, two of them can come to nearly the same grid, or to the very
-/// same, which then is left out.
+/// Returns the method of a run on a grid and those of its companions, the finest first, with their actual numbers of cells. Each companion requests
+/// half the cells of the previous one. If the segments require other numbers of cells, two requests can result in nearly the same grid; the coarser
+/// one is then left out.
 pub(super) fn with_companions(scene: &Scene, method: Method) -> Vec<(Method, usize)> {
     let asked = method.cells().unwrap_or(0);
     let most = if asked < LEAST_TO_CONFIRM { 3 } else { 4 };
@@ -135,14 +136,14 @@ pub(super) fn with_companions(scene: &Scene, method: Method) -> Vec<(Method, usi
     grids
 }
 
-/// The cells of a scene's grid by a method.
+/// Returns the number of cells of a scene's grid for a method.
 fn cells(scene: &Scene, method: Method) -> usize {
     let scene = scene.by(method);
     let cut = scene.in_pieces();
     assemble::grid_by_method(cut.as_ref().unwrap_or(&scene)).map_or(0, |grid| grid.cells())
 }
 
-/// Which orders can be expected of runs by a method, the finest of which stayed elastic or not.
+/// Returns the orders that can be expected of runs by a method; `elastic` tells whether the finest run stayed elastic.
 pub(super) fn rules(scene: &Scene, method: Method, elastic: bool) -> Rules {
     match scene.effects.rate {
         _ if elastic || matches!(method, Method::CharacteristicNet { .. }) => Rules::Smooth,
@@ -151,10 +152,10 @@ pub(super) fn rules(scene: &Scene, method: Method, elastic: bool) -> Rules {
     }
 }
 
-/// How far a run may be off that gave `fine`. None where there are too few cells.
+/// Returns the error estimate of the run with the response `fine`; `None` if the run has too few cells.
 ///
 /// # Errors
-/// [`Error::Interrupted`] if the caller requests a stop.
+/// [`Error::Interrupted`] if `progress` requests a stop.
 pub(super) fn error_figure(
     scene: &Scene,
     fine: &Response,

@@ -1,6 +1,6 @@
-//! `effects = "auto"`: effects are turned on that would change the answer by more than the audit's tolerance. Estimates
-//! before the run are the start; where the audit of a run shows that an effect was missed, it is added, and the run
-//! repeated. What was turned on stays on, but for an effect that cannot be simulated together with a larger one.
+//! `effects = "auto"`: enables the effects that would change the result by more than the audit's tolerance. The initial selection is based on
+//! estimates before the run. If the audit of a run shows that a relevant effect was neglected, the effect is added and the run repeated. An enabled
+//! effect stays enabled unless it cannot be simulated together with a larger one.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::record::{AuditRow, AutoChoice, Summary};
 use crate::scene::Scene;
 
-/// How each effect is written into a scene. Those that need constants take the materials' own.
+/// How each effect is written into a scene. Effects that need constants use those of the materials.
 const WRITTEN: [(&str, &str); 5] = [
     ("hardening", "\"isotropic\""),
     ("rate", "\"material\""),
@@ -18,20 +18,20 @@ const WRITTEN: [(&str, &str); 5] = [
     ("lateral-inertia", "true"),
 ];
 
-/// Changes of [solve] with which a set of effects is tried, one after the other, where the scene leaves the method open.
+/// Changes of `[solve]` that are tried in turn for a set of effects, if the scene leaves the method open.
 const METHODS: [&[&str]; 2] = [&[], &["solve.method=fd"]];
 
-/// The same where it names one: keys that the method no longer takes.
+/// Changes that are tried if the scene names its method: they remove keys that the method no longer accepts.
 const WITHOUT_KEYS: [&[&str]; 4] =
     [&[], &["solve.front-tolerance="], &["solve.max-events="], &["solve.front-tolerance=", "solve.max-events="]];
 
-/// Selects effects from the estimates before the run; every choice is passed to `progress`. A scene that names its effects is returned unchanged.
+/// Selects effects from the estimates before the run, and passes every choice to `progress`. A scene that names its effects is returned unchanged.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if `progress` requests a stop.
 pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Scene> {
     let mut scene = with_recorded(scene, progress)?;
-    // One effect at least is decided in each round.
+    // Each round decides on at least one effect.
     while scene.auto.is_some() {
         let mut stopped = false;
         let (rows, _) = estimate(&scene, &mut |at| {
@@ -50,7 +50,7 @@ pub fn choose(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<(
     Ok(scene)
 }
 
-/// The scene with the effects without which a field that it records does not exist.
+/// Returns the scene with the effects that its recorded fields require.
 fn with_recorded(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Scene> {
     if scene.auto.is_none() || !choices(scene).is_empty() {
         return Ok(scene.clone());
@@ -72,7 +72,7 @@ fn with_recorded(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlo
     with(scene, &needed)
 }
 
-/// Runs a scene, again where an effect was missed: at most once more for each effect, since each is decided on once.
+/// Runs a scene, and repeats the run if an effect was neglected: at most once per effect, since each is decided on only once.
 pub(super) fn run(
     scene: &Scene,
     mut target: Target<'_>,
@@ -95,10 +95,10 @@ pub(super) fn run(
     }
 }
 
-/// The scene for which these effects were chosen.
+/// Returns the scene with the selected effects.
 ///
 /// # Errors
-/// What this scene is refused for by a program that did not choose them.
+/// Those of a scene that this version of the program refuses with these effects.
 pub(super) fn chosen(mut scene: Scene, choices: &[AutoChoice]) -> Result<Scene> {
     if choices.iter().any(|choice| choice.on) {
         return with(&scene, choices);
@@ -109,7 +109,7 @@ pub(super) fn chosen(mut scene: Scene, choices: &[AutoChoice]) -> Result<Scene> 
     Ok(scene)
 }
 
-/// Decides on the effects that matter and were not decided on; true where the set of effects is another one then.
+/// Decides on the relevant effects that are still undecided. Returns the scene and whether its set of effects has changed.
 fn decide(
     scene: &Scene,
     rows: &[AuditRow],
@@ -136,7 +136,8 @@ fn decide(
     Ok((scene, changed))
 }
 
-/// The scene with one more effect, if need be in place of a smaller one; else with the reason why not.
+/// Returns the scene with one more effect, if necessary in place of a smaller one, and `true`; otherwise the scene with the reason for the refusal,
+/// and `false`.
 fn take(scene: &Scene, choice: &AutoChoice) -> (Scene, bool) {
     let mut all = choices(scene).to_vec();
     all.push(choice.clone());
@@ -166,7 +167,7 @@ fn take(scene: &Scene, choice: &AutoChoice) -> (Scene, bool) {
     (next, false)
 }
 
-/// The scene with the selected effects and a method that supports them.
+/// Returns the scene with the selected effects and a method that supports them.
 fn with(scene: &Scene, choices: &[AutoChoice]) -> Result<Scene> {
     let on = |key: &str| choices.iter().any(|c| c.on && c.effect == key);
     let written: Vec<String> =

@@ -1,4 +1,4 @@
-//! Limits of a front-tracking bar: first yield, end of the data, fracture.
+//! Detects first yield, the end of the material data and failure of a front-tracking bar.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,26 +8,26 @@ use crate::record::{self, AuditRow};
 use crate::scene::Scene;
 use crate::solver::moc::{FrontSegment, FrontTracking};
 
-/// A stress counts as the largest one of its curve from this part of it on: a level line holds it there, so all that it lacks
-/// is rounding.
+/// Fraction of the largest stress of its curve from which a stress counts as equal to it: a level part of the curve limits the stress, so that any
+/// difference is due to rounding.
 const AT_THE_END: f64 = 1.0 - 1e-12;
 
-/// Looks for that in the front segments of the fronts, which know every state that the bar was ever in, and in the bar itself.
+/// Detector, which reads the front segments, since they contain every state of the bar, and the bar itself.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Breaks {
-    /// Where strain gathers inside the bar: segment and stress (Pa) there, since when (s), and place (m).
+    /// First point inside the bar where strain gathers: segment and stress (Pa), time since which it gathers (s), and position (m).
     gathers: Option<((usize, f64), f64, f64)>,
     yielded: bool,
 }
 
 impl Breaks {
-    /// Whether anything has yielded.
+    /// Records whether anything has yielded.
     pub fn look_at(&mut self, bar: &FrontTracking, front_segments: &[FrontSegment]) {
         self.yielded |= front_segments.iter().any(|t| t.behind.plastic.abs() > bar.medium(t.segment).round_off);
     }
 
-    /// Where the curve can carry no more and the two sides of a place go on moving apart (or together), strain gathers
-    /// there without bound: the bar breaks.
+    /// Records the first point where the stress is the largest one of its curve and the two sides continue to separate or approach. Strain gathers
+    /// there without bound, so the bar fails.
     pub fn look_for_gathering_strain(&mut self, scene: &Scene, bar: &FrontTracking) {
         if self.gathers.is_some() {
             return;
@@ -42,17 +42,17 @@ impl Breaks {
         });
     }
 
-    /// Nothing has yielded so far.
+    /// Returns whether nothing has yielded so far.
     pub fn stayed_elastic(&self, bar: &FrontTracking) -> bool {
         !self.yielded && !end_broke(bar)
     }
 
-    /// The bar broke somewhere.
+    /// Returns whether the bar has failed anywhere.
     pub fn ruptured(&self, scene: &Scene, bar: &FrontTracking) -> bool {
         at_limits(bar).any(|limit| limit.broken(scene).is_some()) || self.gathers.is_some() || end_broke(bar)
     }
 
-    /// Notes for the audit. What happened at t = 0 is left out where theory `told` of it.
+    /// Returns the notes for the audit. If the theory predicted failure at t = 0 (`told`), that of the ends at t = 0 is left out.
     pub fn audit(&self, scene: &Scene, bar: &FrontTracking, told: bool) -> Vec<AuditRow> {
         let segments = &scene.bar.segments;
         let mut rows = Vec::new();

@@ -1,4 +1,4 @@
-//! Checkpoints of a run, independent of the method: when they are due, and their content besides the state of the solver.
+//! Checkpoints of a run, independent of the method: when they are due, and their content in addition to the state of the solver.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -11,17 +11,17 @@ use crate::snapshot::{self, pack};
 
 /// Schedule of the checkpoints of a run.
 pub(super) struct Checkpoints {
-    /// Wall time between two of them.
+    /// Wall time between two checkpoints.
     every: Duration,
     latest: Instant,
-    /// Of the resolved scene.
+    /// Checksum of the resolved scene.
     checksum: u32,
-    /// What was chosen.
+    /// Selected effects and method, serialized.
     chosen: snapshot::Result<Vec<u8>>,
 }
 
 impl Checkpoints {
-    /// None if the run writes no checkpoints.
+    /// Returns the schedule; `None` if the run writes no checkpoints.
     pub fn of(target: &Target<'_>, scene: &Scene) -> Option<Self> {
         let every = target.every?;
         let checksum = checksum(&scene.resolved_json().to_string());
@@ -30,17 +30,17 @@ impl Checkpoints {
 }
 
 impl RunRecorder<'_> {
-    /// The run writes checkpoints.
+    /// Returns whether the run writes checkpoints.
     pub fn keeps_checkpoints(&self) -> bool {
         self.checkpoints.is_some()
     }
 
-    /// It is time for the next one.
+    /// Returns whether the next checkpoint is due.
     pub fn checkpoint_is_due(&self) -> bool {
         self.checkpoints.as_ref().is_some_and(|kept| kept.latest.elapsed() >= kept.every)
     }
 
-    /// Saves the state of a run at the data passed to the writer so far.
+    /// Saves the state of a run, consistent with the data passed to the writer so far.
     pub fn keep_checkpoint(&mut self, state: snapshot::Result<Vec<u8>>) -> Result<()> {
         let (Some(kept), Some(writer)) = (&mut self.checkpoints, self.writer.writer()) else { return Ok(()) };
         let failed = |e| Error::file(Path::new(&self.output), e);
@@ -56,7 +56,7 @@ impl RunRecorder<'_> {
         })
     }
 
-    /// Goes on after a checkpoint; `restored` tells whether the state of the run could be set.
+    /// Continues after a checkpoint; `restored` is the result of restoring the state of the run.
     pub fn resume(&mut self, checkpoint: &Checkpoint, restored: snapshot::Result<()>) -> Result<()> {
         restored.map_err(|e| Error::file(Path::new(&self.output), e))?;
         let before = Duration::try_from_secs_f64(checkpoint.wall_seconds).unwrap_or_default();

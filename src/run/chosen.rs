@@ -1,4 +1,4 @@
-//! The selected effects and method of a scene that leaves them open. A resumed run continues with them.
+//! Selected effects and method of a scene that leaves them open. A resumed run continues with them.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,20 +8,20 @@ use crate::error::Result;
 use crate::record::AutoChoice;
 use crate::scene::Scene;
 
-/// The choices made before the current run.
+/// Selections made before the current run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Chosen {
-    /// By `effects = "auto"`: runs so far, this one included, and the decisions before it.
+    /// Selection by `effects = "auto"`: number of runs including this one, and the previous decisions.
     pub effects: Option<(usize, Vec<AutoChoice>)>,
-    /// By a tolerance.
+    /// Selection by a tolerance.
     pub attempt: Option<Attempt>,
 }
 
 impl Chosen {
-    /// The scene with the effects that were chosen.
+    /// Returns the scene with the selected effects.
     ///
     /// # Errors
-    /// What another program refuses that scene for.
+    /// Those of a scene that this version of the program refuses with these effects.
     pub fn with_effects(&self, scene: Scene) -> Result<Scene> {
         match &self.effects {
             Some((_, choices)) => auto::chosen(scene, choices),
@@ -29,7 +29,7 @@ impl Chosen {
         }
     }
 
-    /// The same with the method that was chosen: the scene that is run.
+    /// Returns the scene with the selected method, which is the scene that is run.
     pub fn with_method(&self, scene: &Scene) -> Scene {
         self.attempt.as_ref().map_or_else(|| scene.clone(), |attempt| attempt.scene(scene))
     }

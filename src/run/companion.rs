@@ -1,5 +1,5 @@
-//! Companion runs of a front-tracking bar: those with other tolerances for the error estimate, and the search for a tolerance with
-//! which the run stays within the event limit.
+//! Companion runs of a front-tracking run: runs with other tolerances for the error estimate, and the search for a tolerance with which the run stays
+//! within the event limit.
 
 use super::{Progress, accuracy};
 use crate::accuracy::{Companions, Course, Ended, INSTANTS, Response, SAFETY_OF_TRACKING, respond};
@@ -10,31 +10,32 @@ use crate::scene::{Scene, TaperDiscretization};
 use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
-/// The largest tolerance that is tried when a run used up its events: stresses are off by about this part, and a larger one is no advice.
+/// Largest tolerance that is tried after a run has reached its event limit. Stress errors are of about this relative size; a larger tolerance is not
+/// worth recommending.
 pub(super) const LARGEST_TRIED: f64 = 0.1;
-/// Powers of one over the tolerance with which events are taken to grow: at least, and at most.
+/// Smallest and largest exponent of 1/tolerance assumed for the growth of the number of events.
 const GROWTH: [f64; 2] = [1.0, 3.0];
-/// Part of the events that are left which the last try is expected to take.
+/// Fraction of the remaining events that the last try is expected to need.
 const SAFE: f64 = 0.7;
-/// A try is worth its events where it is finer by this.
+/// Smallest refinement for which a further try is worth its events.
 const WORTHWHILE: f64 = 1.2;
 
-/// What a step of a companion's staircase may reflect at the most.
+/// Upper bound of the fraction of a wave that a step of a companion's staircase may reflect.
 const COARSEST: f64 = 0.5;
 
-/// A run is exact as long as rounding of places has moved no larger part of its energy than this.
+/// Largest fraction of its energy that rounding of positions may move in a run that counts as exact.
 const ROUNDING: f64 = 1e-9;
 
 /// Events between two calls of the progress function.
 const BURST: u64 = 20_000;
 
-/// Instants at which the responses of tracked bars are compared, s.
+/// Returns the instants at which the responses of front-tracking runs are compared, s.
 pub(super) fn instants(until: f64) -> Vec<f64> {
     (1..=INSTANTS).map(|k| until * k as f64 / INSTANTS as f64).collect()
 }
 
-/// A tracked bar at the last of some instants (s, increasing) and its response there, followed without recorders; none where it used up
-/// its events, or came to an end of its own.
+/// Simulates a bar by front tracking up to the last of some instants (s, increasing), without recorders. Returns the bar and its response, or `None`
+/// if the solver stopped early, for example at its event limit.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if `progress` requests a stop.
@@ -59,7 +60,7 @@ pub(super) fn tracked(
     }
 }
 
-/// How far a finished run may be off that gave `response`. None where the companion does not get to the end.
+/// Returns the error estimate of a finished run with this `response`; `None` if its companion does not reach the end.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if `progress` requests a stop.
@@ -80,7 +81,7 @@ pub(super) fn error_figure(
     Ok(Some(accuracy::figure(companions.errors(run, response), reference)))
 }
 
-/// How finely the fronts of a companion are kept apart, in words.
+/// Returns the resolution of a companion, in words.
 fn steps(settings: Settings) -> String {
     if settings.front_tolerance > 0.0 {
         format!("front-tolerance {:.1e}", settings.front_tolerance)
@@ -89,7 +90,7 @@ fn steps(settings: Settings) -> String {
     }
 }
 
-/// Companions of a finished run that gave `response`. None where the coarser one does not get to the end.
+/// Simulates the companions of a finished run with this `response`. Returns `None` if the coarser one does not reach the end.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if `progress` requests a stop.
@@ -100,7 +101,7 @@ pub(super) fn companions(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<Companions>> {
     let instants = response.instants();
-    // The error of a staircase goes with its steps.
+    // The error of a staircase is proportional to its steps.
     let coarser_pieces =
         |cut: &TaperDiscretization| cut.original.discretized_finer_than((COMPANION_RATIO * cut.share).min(COARSEST));
     let staircase = staircase(scene).map(coarser_pieces);
@@ -114,12 +115,13 @@ pub(super) fn companions(
     companions.with_finer((run, response), bar.events(), settings, follow).map(Some)
 }
 
-/// How a scene's tapers and initial states were cut into pieces. None without steps, as of a taper so slight that it is one piece.
+/// Returns the discretization of a scene's tapers and initial states into pieces; `None` if it has no steps, for example for a taper so slight that
+/// it is one piece.
 fn staircase(scene: &Scene) -> Option<&TaperDiscretization> {
     scene.discretized.as_deref().filter(|cut| cut.of.len() > cut.original.bar.segments.len() || cut.steps > 0)
 }
 
-/// Of a run whose fronts were all kept; `unresolved` is what part of its energy rounding moved.
+/// Returns the error of a run in which no fronts were merged; `unresolved` is the fraction of its energy that rounding moved.
 fn exact(unresolved: f64) -> ErrorFigure {
     let (value, reference) = if unresolved > ROUNDING {
         (unresolved, "fraction of the energy in waves too short for the rounding of positions (estimate)")
@@ -129,8 +131,8 @@ fn exact(unresolved: f64) -> ErrorFigure {
     accuracy::figure(ErrorTable::of(|_| Some(value)), reference.into())
 }
 
-/// A front tolerance with which a run was seen to reach its end within its events; none where none of those tried does. They are tried
-/// from the coarsest one on, which is the cheapest, and all of them together take no more events than the run may.
+/// Returns a front tolerance with which a run was found to reach its end within its event limit; `None` if no tried tolerance does. Tolerances are
+/// tried from the coarsest (cheapest) one on, and together need no more events than the run may take.
 ///
 /// # Errors
 /// [`Error::Interrupted`] if `progress` requests a stop.
@@ -156,8 +158,9 @@ pub(super) fn tolerance_that_carries(
     Ok(carries.map(|(tolerance, _)| tolerance))
 }
 
-/// The next tolerance to try after one with its events, and the one before: finer by the ratio of companions, or as fine as so many events are
-/// expected to carry. Rounded up to two digits, so that the one that is advised is the one that was tried.
+/// Returns the next tolerance to try, from the last tolerance with its events and the one `before`. It is finer by the ratio of companions, or as
+/// fine as the events `most` are expected to allow, whichever is coarser. It is rounded up to two digits, so that the recommended tolerance is
+/// exactly the one that was tried.
 fn next_tried((tolerance, events): (f64, f64), before: Option<(f64, f64)>, most: f64) -> f64 {
     let seen = before.map(|(coarser, fewer)| (events / fewer).ln() / (coarser / tolerance).ln());
     let growth = seen.map_or(GROWTH[1], |seen| seen.clamp(GROWTH[0], GROWTH[1]));

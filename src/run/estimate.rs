@@ -1,5 +1,4 @@
-//! Estimated influence of the neglected effects of a scene before the run: the audit of a run on a coarse grid, which takes some
-//! milliseconds.
+//! Estimates the influence of the neglected effects of a scene before the run, by the audit of a run on a coarse grid, which takes some milliseconds.
 
 use super::limits::limits;
 use super::{Progress, case, struck_too_hard};
@@ -11,14 +10,14 @@ use crate::simulate::{Interval, Simulation, simulate};
 use crate::solver::fd::{Leapfrog, Sampling};
 use std::ops::ControlFlow;
 
-/// Cells of the coarse grid; never more than half of the run's own.
+/// Cells of the coarse grid; at most half of the run's own cells.
 const CELLS: usize = 200;
 
 /// Work between two calls of the progress function, cell-steps.
 const WORK_BETWEEN_CALLS: u64 = 1_000_000;
 
-/// The audit of a scene before it is run, with the effects that it has, and the time up to which it looked at the scene, s: less than
-/// the end time where the bar comes to the end of its data, or `progress` requests a stop.
+/// Returns the audit of a scene before it is run, with its current effects, and the time up to which the scene was simulated, s. This is less than
+/// the end time if the bar reaches the end of its data or `progress` requests a stop.
 pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> (Vec<AuditRow>, f64) {
     let cells = match scene.solve.method {
         Method::Leapfrog { cells, .. } | Method::Muscl { cells, .. } | Method::CharacteristicNet { cells } => {
@@ -31,7 +30,7 @@ pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow
     let audit = Audit::new(&case(scene, Some(bar.grid().cells())));
     let watched = Sampling::at(bar.grid(), audit.places().to_vec());
     let mut run = Estimate { scene, bar, steps, audit, watched, progress };
-    // What ends it early leaves an audit up to then.
+    // If the simulation ends early, the audit covers the time up to then.
     let _: Result<(), Early> = simulate(&mut run, WORK_BETWEEN_CALLS);
     let (audit, bar) = (run.audit, run.bar);
     let parted = !View::ruptures(&bar).is_empty();
@@ -44,18 +43,18 @@ pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow
     (audit.rows(broken), bar.time())
 }
 
-/// The coarse run under way.
+/// State of the coarse run.
 struct Estimate<'a> {
     scene: &'a Scene,
     bar: Leapfrog,
     steps: usize,
     audit: Audit,
-    /// Where the audit looks.
+    /// Positions that the audit reads.
     watched: Sampling,
     progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
 }
 
-/// The estimate ended before the end time.
+/// Marker that the estimate ended before the end time.
 struct Early;
 
 impl Simulation for Estimate<'_> {

@@ -1,13 +1,13 @@
-//! The geometry of a bar in its result file.
+//! Geometry of a bar in its result file.
 
 use crate::bar::{Bar, Segment};
 use crate::record::store::{Geometry, Part};
 use crate::scene::Scene;
 
-/// Relative distance up to which samples are the centres of an even grid.
+/// Largest distance of samples from the cell centres of a uniform grid, relative to the cell size, for which the grid counts as uniform.
 const EVEN: f64 = 1e-9;
 
-/// Of the bar that was asked for, with the cells around the samples `x` (increasing, m).
+/// Returns the geometry of the original bar, with the cells around the samples `x` (m, increasing).
 pub(super) fn geometry(scene: &Scene, x: &[f64]) -> Geometry {
     let bar = &super::asked(scene).bar;
     let has_area = bar.area_given && scene.torsion.is_none();
@@ -28,7 +28,7 @@ pub(super) fn geometry(scene: &Scene, x: &[f64]) -> Geometry {
     }
 }
 
-/// Segments with their left ends, m.
+/// Iterates over the segments with the positions of their left ends, m.
 fn parts(bar: &Bar) -> impl Iterator<Item = (f64, &Segment)> {
     bar.segments.iter().scan(0.0, |end, segment| {
         let start = *end;
@@ -46,7 +46,7 @@ fn part(start: f64, segment: &Segment, has_area: bool) -> Part {
     }
 }
 
-/// Left and right bound of the cell around each sample: cells of an even grid over the bar, or those of each segment.
+/// Returns the left and right bound of the cell around each sample, m: cells of a uniform grid over the bar, or of a uniform grid in each segment.
 fn bounds(bar: &Bar, x: &[f64]) -> Vec<[f64; 2]> {
     let size = bar.length() / x.len() as f64;
     let is_even = x.iter().enumerate().all(|(i, x)| (x - (i as f64 + 0.5) * size).abs() <= EVEN * size);
@@ -61,7 +61,7 @@ fn bounds(bar: &Bar, x: &[f64]) -> Vec<[f64; 2]> {
     parts(bar).flat_map(|(start, s)| cells(start, s.length, within(start, start + s.length))).collect()
 }
 
-/// Cross-section at each sample, m^2; on a joint that of the segment on its right.
+/// Returns the cross-section at each sample, m^2; at a joint that of the segment on its right.
 fn areas(bar: &Bar, x: &[f64]) -> Vec<f64> {
     let at = |x: f64| {
         let (start, segment) = parts(bar).take_while(|(start, _)| *start <= x).last()?;

@@ -1,4 +1,4 @@
-//! Impacts without waves in a bar: solved at once and written as a whole.
+//! Runs impacts without waves in a bar, which are solved at once and written as a whole.
 
 use std::path::Path;
 use std::time::Instant;
@@ -10,18 +10,18 @@ use crate::record::store::{Header, check_output, write_impact};
 use crate::record::{ImpactPlan, ImpactSummary};
 use crate::scene::ImpactScene;
 
-/// Solves the impact and writes a result file if requested, with its missing folders; as for [`super::run`] it replaces only another result.
+/// Solves the impact and, if requested, writes a result file, creating missing folders. As with [`super::run`], only an existing result is replaced.
 /// `watch` receives the completed fraction.
 ///
 /// # Errors
-/// [`Error::Interrupted`] where `watch` breaks off, the result so far being in the file; a file error where the result cannot be written; an
-/// [`InputError`](crate::error::InputError) where `output` is what a result must not replace.
+/// [`Error::Interrupted`] if `watch` requests a stop; the file then contains the result so far. A file error if the result cannot be written. An
+/// [`InputError`](crate::error::InputError) if `output` is a file that a result must not replace.
 pub fn run_impact(scene: &ImpactScene, output: Option<&Path>, watch: Watch<'_>) -> Result<ImpactSummary> {
     output.map_or(Ok(()), |path| check_output(path, false))?;
     impact_to_checked_file(scene, output, watch)
 }
 
-/// The same, to a file that the caller has checked.
+/// Solves the impact as [`run_impact`] does, to a file that the caller has checked.
 pub(crate) fn impact_to_checked_file(
     scene: &ImpactScene,
     output: Option<&Path>,
@@ -55,7 +55,7 @@ pub(crate) fn impact_to_checked_file(
     Ok(summary)
 }
 
-/// What is known of the impact without an integration.
+/// Returns the results of the impact that are available without an integration.
 pub fn plan_impact(scene: &ImpactScene) -> ImpactPlan {
     let mut solution = scene.problem.planned();
     solution.warnings.extend(scene.notes());

@@ -1,5 +1,5 @@
-//! Running a scene: advances the bar and passes its data to the recorders and the result file. The time loops are in `stepped`
-//! (grids) and `tracked` (fronts).
+//! Runs scenes: advances the bar and passes its data to the recorders and the result file. The time loops are in `stepped` (grids) and `tracked`
+//! (front tracking).
 
 mod accuracy;
 mod auto;
@@ -55,51 +55,50 @@ pub use estimate::estimate;
 pub(crate) use limits::check_start;
 pub use trial::{Trial, trial};
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Debug, Clone)]
 pub enum Progress {
     /// `effects = "auto"` has decided on an effect.
     Chosen(Box<AutoChoice>),
-    /// `tolerance` has made a coarse run to select the method.
+    /// A coarse run for the selection of the method by `tolerance` has ended.
     Tried {
-        /// The run.
+        /// The coarse run.
         tried: Tried,
-        /// The tolerance.
+        /// The requested tolerance.
         tolerance: f64,
     },
-    /// A solver that advances in time steps.
+    /// A solver on a grid has advanced.
     Steps {
-        /// Steps taken.
+        /// Steps done so far.
         step: usize,
-        /// Steps to take.
+        /// Total number of steps.
         steps: usize,
-        /// Cells of the bar.
+        /// Number of cells of the bar.
         cells: usize,
     },
-    /// Fronts that are followed.
+    /// Front tracking has advanced.
     Fronts {
-        /// Time reached, s.
+        /// Current time, s.
         time: f64,
-        /// Time to reach, s.
+        /// End time, s.
         until: f64,
-        /// Events so far.
+        /// Number of events so far.
         events: u64,
         /// Number of fronts.
         fronts: usize,
     },
 }
 
-/// Simulates a scene and writes its result file, if requested. `progress` is called every few
-/// milliseconds. A scene with `effects = "auto"` is run again where an effect was missed; one with a tolerance is run by the
-/// method that reaches it cheapest. The last run stays in the file.
+/// Simulates a scene and writes its result file, if requested. `progress` is called every few milliseconds. A scene with `effects = "auto"` is run
+/// again if a relevant effect was neglected. A scene with a tolerance is run by the method that reaches it at the lowest cost. The file contains the
+/// last run.
 ///
-/// Missing folders of `output` are made. A result file there, with its checkpoint, is replaced as soon as the run begins; any other file is
-/// refused. Of several runs to one path at the same time, the file is that of the last one to begin; the others end with a file error.
-///
+/// Missing folders of `output` are created. An existing result file with its checkpoint is replaced as soon as the run begins; any other
+/// file is refused. If several runs write to one path at the same time, the file is that of the last one to begin; the others end with a file error.
 /// # Errors
-/// A [`crate::error::RunError`] if the run stops, [`Error::Interrupted`] if `progress` requests a stop, a file
-/// error where the result cannot be written. In the first two cases the result file holds everything up to then. An
-/// [`InputError`](crate::error::InputError) where `output` is what a result must not replace, or is being written by another run.
+/// A [`crate::error::RunError`] if the run stops, [`Error::Interrupted`] if `progress` requests a stop, a file error if the result cannot be written.
+/// In the first two cases the result file contains everything up to the stop. An [`InputError`](crate::error::InputError) if `output` is a file that
+/// a result must not replace, or is being written by another run.
 pub fn run(
     scene: &Scene,
     output: Option<&Path>,
@@ -109,7 +108,7 @@ pub fn run(
     begin(scene, Target { path: output, ..Target::default() }, progress)
 }
 
-/// The same to a file that the caller has checked, with checkpoints where `every` asks for some.
+/// Simulates a scene as [`run`] does, to a file that the caller has checked. If `every` is set, checkpoints are written at this interval.
 pub(crate) fn to_checked_file(
     scene: &Scene,
     output: &Path,
@@ -119,16 +118,16 @@ pub(crate) fn to_checked_file(
     begin(scene, Target { path: Some(output), every, ..Target::default() }, progress)
 }
 
-/// Simulates a scene as [`run`] does, without a file. With front tracking the summary has no audit, which needs a sixth of the time of a
-/// short run; with `effects = "auto"` it has.
+/// Simulates a scene as [`run`] does, without a file. With front tracking the summary has no audit, which would take a sixth of the time of a short
+/// run, except with `effects = "auto"`.
 ///
 /// # Errors
-/// As for [`run`], but for the file.
+/// As for [`run`], except for those of the file.
 pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Summary> {
     begin(scene, Target { unaudited: scene.auto.is_none(), ..Target::default() }, progress)
 }
 
-/// Simulates a scene as [`run`] does, into memory: fields and histories as arrays, and the summary.
+/// Simulates a scene as [`run`] does, in memory: returns the fields and histories as arrays, and the summary.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -159,10 +158,10 @@ pub fn run_unaudited(scene: &Scene, progress: &mut dyn FnMut(Progress) -> Contro
 /// # Ok::<(), barwave::error::Error>(())
 /// ```
 ///
-/// Where `progress` requests a stop the solution is what was simulated until then, and the outcome in its summary "interrupted".
+/// If `progress` requests a stop, the solution ends at that time and the outcome in its summary is "interrupted".
 ///
 /// # Errors
-/// As for [`run`], but for the file; [`Error::Interrupted`] only while effects or a method were still being chosen.
+/// As for [`run`], except for those of the file. [`Error::Interrupted`] only if the stop is requested while effects or a method are being selected.
 pub fn solve(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Solution> {
     let kept: RefCell<Kept> = RefCell::default();
     let ended = begin(scene, Target { kept: Some(&kept), ..Target::default() }, progress);
@@ -172,7 +171,7 @@ pub fn solve(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()
     Ok(kept.solution(summary))
 }
 
-/// The same without progress.
+/// Simulates a scene as [`solve`] does, without a progress function.
 ///
 /// ```
 /// use barwave::record::Field;
@@ -196,17 +195,17 @@ pub fn solve(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow<()
 /// ```
 ///
 /// # Errors
-/// As for [`run`], but for the file.
+/// As for [`run`], except for those of the file.
 pub fn solution(scene: &Scene) -> Result<Solution> {
     solve(scene, &mut |_| ControlFlow::Continue(()))
 }
 
-/// A run of a scene whose effects or method may be open.
+/// Runs a scene, and selects its effects and its method if the scene leaves them open.
 fn begin(scene: &Scene, target: Target<'_>, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<Summary> {
     if scene.auto.is_some() { auto::run(scene, target, progress) } else { accurate(scene, target, progress) }
 }
 
-/// A run with the effects that the scene has by now, by its method or to within its tolerance.
+/// Runs a scene whose effects are given, by its method or to within its tolerance.
 fn accurate(
     scene: &Scene,
     target: Target<'_>,
@@ -219,37 +218,37 @@ fn accurate(
     }
 }
 
-/// Where a run writes, and what it continues.
+/// Destination of a run, and the state from which it continues.
 #[derive(Debug, Default)]
 struct Target<'a> {
-    /// The result file; none: nothing is written.
+    /// Result file; `None` if none is written.
     path: Option<&'a Path>,
-    /// What the last run gives in memory, where it is asked for.
+    /// Destination in memory of the last run, if requested.
     kept: Option<&'a RefCell<Kept>>,
-    /// Wall time between two checkpoints, where there are any.
+    /// Wall time between two checkpoints; `None` without checkpoints.
     every: Option<Duration>,
-    /// Where the run of that file was.
+    /// Checkpoint from which the run continues, if it is resumed.
     checkpoint: Option<Checkpoint>,
-    /// What was chosen for it.
+    /// Effects and method that were selected for the run.
     chosen: Chosen,
-    /// Nobody reads the audit.
+    /// Whether the audit can be left out because it is not used.
     unaudited: bool,
 }
 
 impl Target<'_> {
-    /// Somebody reads the frames.
+    /// Returns whether frames are recorded.
     fn takes_frames(&self) -> bool {
         self.path.is_some() || self.kept.is_some()
     }
 
-    /// That of a run after this one, with the effects that this one has.
+    /// Returns the target of a repeated run, with the selected effects of this one, without its checkpoint and method.
     fn anew(&self) -> Self {
         let chosen = Chosen { effects: self.chosen.effects.clone(), attempt: None };
         Self { checkpoint: None, chosen, ..*self }
     }
 }
 
-/// One run by the scene's method.
+/// Performs one run by the scene's method.
 fn on_target(
     scene: &Scene,
     target: &Target<'_>,
@@ -261,7 +260,7 @@ fn on_target(
     assemble::solve(scene, Task { scene, target, started, progress })
 }
 
-/// A scene that is to be run by its method.
+/// Run of a scene by its method.
 struct Task<'a> {
     scene: &'a Scene,
     target: &'a Target<'a>,
@@ -281,7 +280,7 @@ impl assemble::Task for Task<'_> {
     }
 }
 
-/// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
+/// Returns the notes on impacts above the critical velocity; none with rate dependence, or if the bar fractured (`parted`).
 fn struck_too_hard(scene: &Scene, initial_fans: &[InitialFan], parted: bool) -> Vec<AuditRow> {
     if scene.effects.rate.is_some() || parted {
         return Vec::new();
@@ -294,7 +293,7 @@ fn struck_too_hard(scene: &Scene, initial_fans: &[InitialFan], parted: bool) -> 
     initial_fans.iter().filter_map(row).collect()
 }
 
-/// Notes on places of a segment that flowed in both senses; `places` are accumulated and signed plastic strains at the end.
+/// Returns the notes on sections of a segment that yielded in both senses. `places` are pairs of accumulated and signed plastic strain at the end.
 fn flow_both_ways(scene: &Scene, segment: &Segment, places: impl Iterator<Item = (f64, f64)>) -> Vec<AuditRow> {
     let (places, material): (Vec<_>, _) = (places.collect(), &segment.material);
     let warm = record::flowed_both_ways(material, places.iter().copied()).filter(|_| scene.effects.rate.is_none());
@@ -302,7 +301,7 @@ fn flow_both_ways(scene: &Scene, segment: &Segment, places: impl Iterator<Item =
     warm.into_iter().chain(reversed).collect()
 }
 
-/// What a scene's audit needs to know; `cells` of the grid, where there is one.
+/// Returns the data that a scene's audit needs. `cells` is the number of cells of the grid, if there is one.
 fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
     let effects = &scene.effects;
     let asked = asked(scene);
@@ -316,7 +315,7 @@ fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
             rate: effects.rate.is_none(),
             heat: effects.heat.is_none(),
             rupture: effects.rupture.is_none(),
-            // Sections that twist do not widen.
+            // Torsion has no lateral inertia.
             lateral_inertia: !effects.lateral_inertia && scene.torsion.is_none(),
         },
         torsion: scene.torsion.is_some(),
@@ -324,12 +323,12 @@ fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
     }
 }
 
-/// Effects of a scene by name, as they are written to files and summaries.
+/// Returns the names of a scene's effects as they are written to files and summaries.
 pub fn effect_names(effects: &Effects, plasticity: bool) -> Vec<String> {
     plasticity.then(|| "plasticity".to_owned()).into_iter().chain(effects.names()).collect()
 }
 
-/// Data of every run, independent of the method: the scene with its theory, and the result file.
+/// Data of a run that do not depend on the method: the scene, its initial fans and critical velocity, and the result file.
 struct RunRecorder<'a> {
     scene: &'a Scene,
     initial_fans: Vec<InitialFan>,
@@ -338,20 +337,20 @@ struct RunRecorder<'a> {
     kept: Option<&'a RefCell<Kept>>,
     output: String,
     started: Instant,
-    /// What the histories came to so far.
+    /// Figures of the histories so far.
     tally: Tally,
     /// Time spent in the solver, s.
     stepping: f64,
-    /// None if the run writes no checkpoints.
+    /// Schedule of the checkpoints; `None` if the run writes none.
     checkpoints: Option<Checkpoints>,
 }
 
-/// What a method knows of its run when it ends.
+/// Results of a run that depend on the method.
 struct RunResults {
     cells: usize,
     steps: usize,
     events: u64,
-    /// Of front tracking; `events_per_s` is filled in by the recorder.
+    /// Data of front tracking; the recorder sets `events_per_s`.
     tracking: Option<TrackingSummary>,
     end_time: f64,
     ends: [EndSummary; 2],
@@ -361,13 +360,13 @@ struct RunResults {
     elastic_check: Option<ElasticCheck>,
     ledger: LedgerSummary,
     error: Option<ErrorFigure>,
-    /// The bar broke after the start.
+    /// Whether a section failed after the start: beyond the data of its curve, at an end above its critical velocity, or by strain that gathers.
     ruptured: bool,
-    /// Where and when, if it was to.
+    /// Fractures; `None` without a fracture criterion.
     ruptures: Option<Vec<Rupture>>,
-    /// Largest rise in temperature, K, with the effect of heat.
+    /// Largest temperature rise, K; `None` without the effect of heat.
     temperature_rise: Option<f64>,
-    /// The simulated segments.
+    /// State of the simulated segments at the end.
     segments: Vec<SegmentEnd>,
     fragments: Fragments,
     residual_profile: ResidualProfile,
@@ -377,14 +376,14 @@ struct RunResults {
 }
 
 impl RunResults {
-    /// The bar was to break, and did.
+    /// Returns whether the bar fractured by its criterion.
     fn parted(&self) -> bool {
         self.ruptures.as_ref().is_some_and(|ruptures| !ruptures.is_empty())
     }
 }
 
 impl<'a> RunRecorder<'a> {
-    /// Opens the recorder and, if requested, the result file, or the one that is continued; `x` are the samples of the fields, m.
+    /// Opens the recorder and, if requested, the result file (a new one, or that of a resumed run). `x` are the sampling positions of the fields, m.
     fn open(scene: &'a Scene, target: &Target<'a>, x: Vec<f64>, sampling: &str, started: Instant) -> Result<Self> {
         let [left, right] = scene.ends_in_run();
         let initial_fans = initial_fans(&scene.bar, &left, &right);
@@ -407,19 +406,20 @@ impl<'a> RunRecorder<'a> {
         Ok(Self { scene, initial_fans, critical, writer, kept, output, started, tally, stepping: 0.0, checkpoints })
     }
 
-    /// The account of a bar at t = 0.
+    /// Returns the energy and momentum balance of a bar at t = 0.
     fn ledger(&self, bar: &impl View) -> Ledger {
         Ledger::new(bar).with_arm(self.scene.torsion.as_ref().map_or(1.0, |torsion| torsion.radius))
     }
 
-    /// When each joint breaks, s, by what has broken so far; infinite while it holds.
+    /// Returns the fracture time of each joint, s, according to the fractures so far; infinite for a joint that holds.
     fn breaks(&self, ruptures: &[Rupture]) -> Vec<f64> {
         let near = 1e-9 * self.scene.bar.length();
         let broken = |x: f64| ruptures.iter().find(|rupture| (rupture.x - x).abs() < near);
         joint_places(self.scene).map(|x| broken(x).map_or(f64::INFINITY, |rupture| rupture.time)).collect()
     }
 
-    /// Writes what histories have gathered: gauges in order, and both ends. Those beside joints follow the gauges and are not written.
+    /// Writes the histories since the last call: the gauges in order, and both ends. Histories of joints follow those of the gauges and are not
+    /// written.
     fn write_traces(&mut self, gauges: Vec<Trace>, ends: [Trace; 2], ruptures: &[Rupture]) -> Result<()> {
         let breaks = self.breaks(ruptures);
         self.tally.hear(&gauges, &ends, &breaks);
@@ -433,18 +433,18 @@ impl<'a> RunRecorder<'a> {
         writer.end(Side::Right, right)
     }
 
-    /// The bar is driven above its critical velocity from the start on.
+    /// Returns whether the bar is loaded above its critical velocity from the start.
     fn above_critical(&self) -> bool {
         self.scene.is_above_critical()
     }
 
-    /// The theory says that the bar breaks at once: the critical velocity is one of the static curve, above which a
-    /// rate-dependent bar can carry the strain away for a while.
+    /// Returns whether the theory predicts fracture at t = 0. The critical velocity is that of the static curve: above it, a rate-dependent bar can
+    /// transmit the strain for a while.
     fn breaks_at_once(&self) -> bool {
         self.initial_fans.iter().any(|l| l.fan.above_critical) && self.scene.effects.rate.is_none()
     }
 
-    /// The ruptures of a bar, if it was to break.
+    /// Returns the fractures of a bar, with sites and segments of the original scene; `None` without a fracture criterion.
     fn ruptures(&self, bar: &impl View) -> Option<Vec<Rupture>> {
         let scene = self.scene;
         let named = |rupture: &Rupture| Rupture {
@@ -455,12 +455,12 @@ impl<'a> RunRecorder<'a> {
         self.scene.effects.rupture.as_ref().map(|_| bar.ruptures().iter().map(named).collect())
     }
 
-    /// Notes on impacts above the critical velocity, for a bar that did not break (`parted`) where it was to.
+    /// Returns the notes on impacts above the critical velocity; none if the bar fractured (`parted`).
     fn audit(&self, parted: bool) -> Vec<AuditRow> {
         struck_too_hard(self.scene, &self.initial_fans, parted)
     }
 
-    /// Fronts with the joints of the original scene as their origins.
+    /// Replaces the origins of fronts by those of the original scene.
     fn named(&self, mut rows: Vec<FrontRow>) -> Vec<FrontRow> {
         if self.scene.discretized.is_some() {
             for row in &mut rows {
@@ -481,7 +481,7 @@ impl<'a> RunRecorder<'a> {
             Ok(()) => ("done", None),
             Err(Error::Interrupted) => ("interrupted", None),
             Err(error @ Error::Run(_)) => ("stopped", Some(error.to_string())),
-            // The file itself failed: there is nothing left to write to.
+            // The file itself failed, so nothing more can be written.
             Err(_) => return Err(ended.err().unwrap_or(Error::Interrupted)),
         };
         self.tally.close();
@@ -564,13 +564,14 @@ impl<'a> RunRecorder<'a> {
     }
 }
 
-/// On the scene, and on what its audit found to matter.
+/// Returns the notes on the scene and on the neglected effects that its audit found relevant.
 fn notes(scene: &Scene, audit: &[AuditRow]) -> Vec<String> {
     let neglected = audit.iter().filter(|row| row.matters()).map(AuditRow::note);
     scene.notes().into_iter().chain(neglected).collect()
 }
 
-/// Balls whose pressure on the bar is more than the bar stands, its ends being elastic under the contact, or whose contact is not small.
+/// Returns the rows for balls whose pressure exceeds the elastic limit of the bar, whose ends are elastic under the contact, or whose contact is not
+/// small.
 fn contacts_beyond_hertz(scene: &Scene, figures: &Figures) -> Vec<AuditRow> {
     let last = scene.bar.segments.len() - 1;
     let rows = |(side, end, segment, k): (&str, &EndCondition, usize, usize)| {
@@ -589,12 +590,12 @@ fn contacts_beyond_hertz(scene: &Scene, figures: &Figures) -> Vec<AuditRow> {
     [("left", &scene.left, 0, 0), ("right", &scene.right, last, 1)].into_iter().flat_map(rows).collect()
 }
 
-/// Velocities of bodies at the ends of their own over those with which they move the bar there.
+/// Returns the ratios of the velocities of the bodies at the ends to those of the bar there; 1 without a lever.
 fn levers(scene: &Scene) -> [f64; 2] {
     scene.torsion.as_ref().map_or([1.0; 2], |torsion| torsion.levers)
 }
 
-/// Lengths of the segments of the original scene; none in torsion, where strains are shear strains.
+/// Returns the lengths of the segments of the original scene; empty in torsion, where strains are shear strains.
 fn lengths(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<LengthSummary> {
     if scene.torsion.is_some() {
         return Vec::new();
@@ -608,12 +609,12 @@ fn lengths(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<LengthSummary> {
     asked(scene).bar.segments.iter().zip(&ends).map(of).collect()
 }
 
-/// The original scene, before its tapers were discretized.
+/// Returns the original scene, before its tapers and initial states were discretized.
 fn asked(scene: &Scene) -> &Scene {
     scene.discretized.as_ref().map_or(scene, |cut| &cut.original)
 }
 
-/// The segments of the original scene.
+/// Returns the results of the segments of the original scene, as sums over their pieces.
 fn original_segments(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<SegmentEnd> {
     let mut ends = vec![SegmentEnd::default(); asked(scene).bar.segments.len()];
     for (k, end) in simulated.iter().enumerate() {
@@ -622,7 +623,7 @@ fn original_segments(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<SegmentEnd>
     ends
 }
 
-/// The contacts at joints of the original scene, numbered as there.
+/// Returns the contacts at joints of the original scene, with its joint numbers.
 fn original_contacts(scene: &Scene, simulated: &[ContactReading]) -> Vec<ContactReading> {
     let named = |contact: &ContactReading| match scene.original_site(Site::Joint(contact.joint)) {
         Site::Joint(joint) => Some(ContactReading { joint, ..*contact }),
@@ -631,12 +632,12 @@ fn original_contacts(scene: &Scene, simulated: &[ContactReading]) -> Vec<Contact
     simulated.iter().filter_map(named).collect()
 }
 
-/// Places of full-rate histories, m: the gauges, and then the joints, for their figures.
+/// Returns the positions of full-rate histories, m: the gauges, then the joints, whose histories are needed for figures.
 fn history_places(scene: &Scene) -> Vec<f64> {
     scene.record.gauge_places().into_iter().chain(joint_places(scene)).collect()
 }
 
-/// Places of the joints, m.
+/// Returns the positions of the joints of the original scene, m.
 fn joint_places(scene: &Scene) -> impl Iterator<Item = f64> {
     let segments = &asked(scene).bar.segments;
     let ends = segments.iter().scan(0.0, |end, segment| {
@@ -646,12 +647,12 @@ fn joint_places(scene: &Scene) -> impl Iterator<Item = f64> {
     ends.take(segments.len() - 1)
 }
 
-/// What is simulated to the left and the right of the joints: their segments, or the pieces of these at the joint.
+/// Returns the simulated segments to the left and right of each joint: the segments themselves, or their pieces at the joint.
 fn beside_joints(scene: &Scene) -> impl Iterator<Item = [&Segment; 2]> {
     scene.joints().into_iter().map(|k| [&scene.bar.segments[k], &scene.bar.segments[k + 1]])
 }
 
-/// The force with which joint `k` broke, N, and when; 0 if it holds.
+/// Returns the force at which joint `k` broke, N, and the time, s; 0 if it holds.
 fn breaks(segments: &[Segment], ruptures: Option<&[Rupture]>, k: usize) -> Extreme {
     let broken = ruptures.and_then(|all| all.iter().find(|rupture| rupture.site == Site::Joint(k)));
     broken.map_or_else(Extreme::default, |rupture| {
@@ -660,7 +661,7 @@ fn breaks(segments: &[Segment], ruptures: Option<&[Rupture]>, k: usize) -> Extre
     })
 }
 
-/// What engineers read off a run.
+/// Returns the figures of a run.
 fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
     let scene = (scene, asked(scene));
     let segments = &scene.1.bar.segments;
@@ -697,7 +698,8 @@ fn torsion_summary(torsion: &Torsion, ends: [EndSummary; 2]) -> TorsionSummary {
     }
 }
 
-/// What makes torques and angles of the fields of a bar in torsion, at these samples (increasing, m).
+/// Returns the data for converting the fields of a bar in torsion into torques and angles at the positions `x` (m, increasing); `None` without
+/// torsion.
 fn twisted(scene: &Scene, x: &[f64]) -> Option<Twisted> {
     let torsion = scene.torsion.as_ref()?;
     let (mut k, mut end) = (0, scene.bar.segments[0].length);
@@ -747,12 +749,12 @@ fn create_file(scene: &Scene, path: &Path, layout: &Layout, critical: Option<f64
     Writer::create(path, &header, layout, &material_records(scene))
 }
 
-/// Each different material of the bar once.
+/// Returns each distinct material of the bar once.
 fn material_records(scene: &Scene) -> Vec<MaterialRecord> {
     distinct(scene.bar.segments.iter().map(|segment| segment.material.as_ref()))
 }
 
-/// Each different one of the materials once.
+/// Returns each distinct material once.
 fn distinct<'a>(materials: impl Iterator<Item = &'a Material>) -> Vec<MaterialRecord> {
     let mut records: Vec<MaterialRecord> = Vec::new();
     for record in materials.map(MaterialRecord::from) {

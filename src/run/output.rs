@@ -8,47 +8,47 @@ use crate::error::Result;
 use crate::record::store::{Side, Writer};
 use crate::record::{Field, Frame, FrontRow, LedgerRow, PathRow, Summary, Trace};
 
-/// What a run gives in memory: the frames, histories, ledger, fronts and paths of a result file as arrays.
+/// Results of a run in memory: the frames, histories, ledger, fronts and paths of a result file as arrays.
 #[derive(Debug)]
 pub struct Solution {
-    /// Results of a run at its end; its outcome is "interrupted" where `progress` requested a stop, the rest being what was simulated until then.
+    /// Summary of the run. If `progress` requested a stop, the outcome is "interrupted" and everything else describes the run up to the stop.
     pub summary: Summary,
-    /// Samples of the fields along the bar, m: of shape (`n_x`).
+    /// Sampling positions of the fields along the bar, m, of shape (`n_x`).
     pub x: Array1<f64>,
-    /// Times of the frames, s: of shape (`n_t`).
+    /// Times of the frames, s, of shape (`n_t`).
     pub time: Array1<f64>,
-    /// Recorded fields of shape (`n_t`, `n_x`), in SI units; stress in Pa, tension positive. Those of `fields` under `[record]`.
+    /// Recorded fields (`fields` under `[record]`) of shape (`n_t`, `n_x`), in SI units; stress in Pa, tension positive.
     pub fields: Vec<(Field, Array2<f64>)>,
-    /// Histories at the gauges by their names, every step of a grid or every change by front tracking.
+    /// Histories at the gauges by name: every step of a grid, or every change with front tracking.
     pub gauges: BTreeMap<String, Trace>,
-    /// Places of the gauges, m from the left end, in the order of the scene.
+    /// Names and positions of the gauges, m from the left end, in the order of the scene.
     pub gauge_places: Vec<(String, f64)>,
     /// Histories of stress and velocity at the left and the right end; the other columns are empty.
     pub ends: [Trace; 2],
-    /// Energies and momentum, a row a frame.
+    /// Energies and momentum, one row per frame.
     pub ledger: Vec<LedgerRow>,
-    /// Fronts with their arrivals at the gauges, these in the order of [`Solution::gauge_places`].
+    /// Fronts with their arrival times at the gauges, in the order of [`Solution::gauge_places`].
     pub fronts: Vec<FrontRow>,
-    /// Straight pieces of all fronts where the scene records them (`record.paths`), by front tracking.
+    /// Straight segments of all fronts, if the scene records them (`record.paths`) and front tracking is used.
     pub paths: Vec<PathRow>,
-    /// [`Solution::paths`] are those of the whole run: it recorded them, came to its end, and there were not too many.
+    /// Whether [`Solution::paths`] covers the whole run: it recorded them, reached its end, and their number did not exceed the limit.
     pub paths_complete: bool,
 }
 
 impl Solution {
-    /// A recorded field of shape (`n_t`, `n_x`); none where it was not recorded.
+    /// Returns a recorded field of shape (`n_t`, `n_x`); `None` if it was not recorded.
     pub fn field(&self, field: Field) -> Option<&Array2<f64>> {
         self.fields.iter().find(|(recorded, _)| *recorded == field).map(|(_, values)| values)
     }
 
-    /// The last frame of a recorded field, of shape (`n_x`).
+    /// Returns the last frame of a recorded field, of shape (`n_x`).
     pub fn last(&self, field: Field) -> Option<ArrayView1<'_, f64>> {
         let values = self.field(field)?;
         values.rows().into_iter().next_back()
     }
 }
 
-/// What a run has handed over, in memory.
+/// Data of a run, collected in memory.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
     x: Vec<f64>,
@@ -63,28 +63,28 @@ pub(super) struct Kept {
     closed: Option<Closed>,
 }
 
-/// What is known when a run closes.
+/// Data that are known when a run closes.
 #[derive(Debug)]
 pub(super) struct Closed {
     pub fronts: Vec<FrontRow>,
     pub paths_complete: bool,
-    /// Of a run that was interrupted, which returns none.
+    /// Summary of an interrupted run, which returns an error instead of a summary.
     pub interrupted: Option<Summary>,
 }
 
 impl Kept {
-    /// With gauges of these names at these places.
+    /// Creates the storage for fields at positions `x` (m), and for gauges with their names and positions.
     pub fn new(x: Vec<f64>, fields: Vec<Field>, places: Vec<(String, f64)>) -> Self {
         let (rows, gauges) = (vec![Vec::new(); fields.len()], vec![Trace::default(); places.len()]);
         Self { x, fields, rows, places, gauges, ..Self::default() }
     }
 
-    /// With what is known at the end.
+    /// Adds the data that are known at the end.
     pub fn close(self, closed: Closed) -> Self {
         Self { closed: Some(closed), ..self }
     }
 
-    /// The summary of a run that was interrupted.
+    /// Takes the summary of an interrupted run.
     pub fn take_interrupted(&mut self) -> Option<Summary> {
         self.closed.as_mut()?.interrupted.take()
     }
@@ -108,17 +108,17 @@ impl Kept {
     }
 }
 
-/// Where a run writes to.
+/// Destination of the data of a run.
 #[derive(Debug)]
 pub(super) enum Output {
-    /// Nobody reads it.
+    /// Data are discarded.
     None,
     File(Writer),
     Memory(Box<Kept>),
 }
 
 impl Output {
-    /// Frames are wanted.
+    /// Returns whether frames are recorded.
     pub fn takes_frames(&self) -> bool {
         !matches!(self, Self::None)
     }
@@ -170,7 +170,7 @@ impl Output {
         }
     }
 
-    /// Paths of fronts.
+    /// Adds paths of fronts.
     pub fn paths(&mut self, rows: Vec<PathRow>) -> Result<()> {
         match self {
             Self::File(writer) if !rows.is_empty() => writer.paths(rows),
@@ -182,7 +182,7 @@ impl Output {
         }
     }
 
-    /// The file, where there is one.
+    /// Returns the result file, if there is one.
     pub fn writer(&mut self) -> Option<&mut Writer> {
         if let Self::File(writer) = self { Some(writer) } else { None }
     }

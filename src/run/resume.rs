@@ -1,4 +1,4 @@
-//! Runs with checkpoints, and resuming them from the result file alone.
+//! Runs with checkpoints, and their resumption from the result file alone.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -16,8 +16,8 @@ use crate::scene::Scene;
 use crate::snapshot::unpack;
 use crate::text_file;
 
-/// Simulates a scene as [`super::run`] does, and writes a checkpoint beside the result file: each time `every` of wall time has passed, and
-/// when `progress` requests a stop.
+/// Simulates a scene as [`super::run`] does, and writes a checkpoint next to the result file whenever the wall time `every` has passed, and when
+/// `progress` requests a stop.
 ///
 /// # Errors
 /// As for [`super::run`].
@@ -31,11 +31,11 @@ pub fn run_with_checkpoints(
     to_checked_file(scene, output, Some(every), progress)
 }
 
-/// Resumes the run of a result file from its checkpoint. The result is that of an uninterrupted run, bit for bit. Without `every` the
+/// Resumes the run of a result file from its checkpoint. The result is bit-identical to that of an uninterrupted run. Without `every`, the checkpoint
 /// interval is that of the interrupted run.
 ///
 /// # Errors
-/// As for [`super::run`], and an [`InputError`] where the file has no run that can be resumed.
+/// As for [`super::run`], and an [`InputError`] if the file contains no run that can be resumed.
 pub fn resume(
     output: &Path,
     every: Option<Duration>,
@@ -45,21 +45,21 @@ pub fn resume(
     let every = every.unwrap_or_else(|| interval(checkpoint.every));
     let target =
         Target { path: Some(output), every: Some(every), checkpoint: Some(checkpoint), chosen, ..Target::default() };
-    // A run that finds an effect missing reads the scene again.
+    // The scene is read again if an effect turns out to have been neglected.
     text_file::stored(scene.files.clone(), || begin(&scene, target, progress))
 }
 
-/// The interval of a checkpoint; more seconds than a duration holds are as long as can be.
+/// Returns the interval of a checkpoint; the largest duration if the number of seconds exceeds it.
 fn interval(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
 }
 
-/// Scene and checkpoint of an unfinished result, and what was chosen.
+/// Returns the scene and the checkpoint of an unfinished result, and its selected effects and method.
 fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
     let file = ResultFile::open(output)?;
     let (metadata, place) = (file.metadata(), destination::resolve(output)?);
     if ["done", "rupture", "stopped"].contains(&metadata.outcome.as_str()) && metadata.steps.is_some() {
-        // A run that is killed as its last act leaves the checkpoint.
+        // The checkpoint is left behind if a run is killed just before it would remove it.
         remove_checkpoint(&place);
         let message = format!("the run has ended: its outcome is `{}`", metadata.outcome);
         return Err(wrong(output, &message, "there is nothing to resume; `barwave report` draws the result").into());
@@ -85,11 +85,11 @@ fn read(output: &Path) -> Result<(Scene, Checkpoint, Chosen)> {
     Ok((scene, checkpoint, chosen))
 }
 
-/// The scene of a result file with the effects that were chosen, from what is stored in that alone.
+/// Returns the scene of a result file with its selected effects, using only data stored in the file.
 fn scene(file: &ResultFile, metadata: &Metadata, chosen: &Chosen) -> Result<Scene> {
     let files = file.scene_files()?;
     let resolved: serde_json::Value = serde_json::from_str(&metadata.scene_resolved).unwrap_or_default();
-    // This file is not opened: its stem gives the scene its name.
+    // This file is not opened: its stem is the name of the scene.
     let name = format!("{}.toml", resolved["name"].as_str().unwrap_or("scene"));
     let base = files.base.clone();
     text_file::stored(files, || {

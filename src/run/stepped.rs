@@ -1,4 +1,4 @@
-//! The time loop of a bar on a grid, step by step.
+//! Time loop of a bar on a grid, step by step.
 
 mod checkpoints;
 
@@ -22,31 +22,31 @@ use crate::simulate::{Interval, Simulation, simulate};
 use crate::snapshot::Snapshot;
 use crate::solver::fd::{Quantity, Sampling, SegmentGrid};
 
-/// Part of all energy that a method may give to the bar. Second-order schemes give up to a tenth in bars of a few cells whose ends jump to
-/// and fro within some steps.
+/// Largest fraction of the total energy that a method may add to the bar. Second-order schemes add up to a tenth in bars of a few cells whose ends
+/// change their direction of motion within a few steps.
 const MOST_GIVEN: f64 = 0.2;
 
 /// Work between two calls of the progress function, cell-steps: a few milliseconds.
 const WORK_BETWEEN_CALLS: usize = 4_000_000;
 
-/// Longest wall time between two calls while frames are recorded.
+/// Longest wall time between two calls of the progress function while frames are recorded.
 const BETWEEN_CALLS: Duration = Duration::from_millis(20);
 
-/// Frames recorded between two readings of the clock.
+/// Number of frames recorded between two readings of the clock.
 const FRAMES_AT_ONCE: usize = 32;
 
-/// Sightings of every front over a run: enough for a speed to four digits and cheap beside the stepping.
+/// Number of observations of every front during a run: sufficient for a speed to four digits, at a small fraction of the cost of the steps.
 const FRONT_SIGHTINGS: usize = 256;
 
-/// Cells between an end and the one whose strain stands for it in the summary: those nearer to a suddenly moved end keep
-/// too much plastic strain from the start, by 12 % in the first and 0.5 % in the third of a bilinear bar.
+/// Number of cells between an end and the cell whose strain represents it in the summary. Cells closer to a suddenly moved end retain too much
+/// plastic strain from the start: 12 % in the first and 0.5 % in the third cell of a bilinear bar.
 const CELLS_FROM_END: usize = 4;
 
-/// Steps after which a run is sure to notice that it has to stop at a limit of what its materials know. The solver notes the
-/// step itself; those that follow are dropped.
+/// Largest number of steps after which a run detects that it has to stop at a limit of the material data. The solver records the step itself; the
+/// results of later steps are discarded.
 const STEPS_BETWEEN_LIMIT_CHECKS: usize = 32;
 
-/// Work of an interval that ends at the next look alone.
+/// Work limit of an interval that ends only at the next look.
 const UP_TO_THE_LOOK: u64 = u64::MAX;
 
 /// Runs a scene on the grid of `bar`.
@@ -63,7 +63,7 @@ pub(super) fn run(task: Task<'_>, bar: impl Stepped + Snapshot) -> Result<Summar
     run.finish(ended)
 }
 
-/// A run under way.
+/// State of a run in progress.
 struct Run<'a, S> {
     recorder: RunRecorder<'a>,
     progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -75,24 +75,24 @@ struct Run<'a, S> {
     ledger: Ledger,
     tracker: FrontTracker,
     audit: Audit,
-    /// Where the audit looks.
+    /// Positions that the audit reads.
     watched: Sampling,
-    /// Where the bar came to a limit of what its materials know, in the order of time.
+    /// Points at which the bar reached a limit of the material data, in order of time.
     limits: Vec<AtLimit>,
-    /// The time of the one that stopped the run, s.
+    /// Time of the limit that stopped the run, s.
     stopped_at: Option<f64>,
     /// Centres of the cells, m.
     centres: Vec<f64>,
     elastic_check: Option<Probe>,
-    /// For the estimate of the error, if requested.
+    /// Recorder for the error estimate, if requested.
     listener: Option<GridListener>,
-    /// When the progress function was called last.
+    /// Time of the last call of the progress function.
     latest_call: Instant,
-    /// The run was resumed from a checkpoint.
+    /// Whether the run was resumed from a checkpoint.
     resumed: bool,
 }
 
-/// The elastic check with its step and cell.
+/// Elastic check with its step and cell.
 struct Probe {
     check: ElasticProbe,
     step: usize,
@@ -143,7 +143,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         });
         recorder.tally.start_under(loaded);
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &recorder.initial_fans, [&scene.left, &scene.right]);
-        // sigma = rho c0 v holds where nothing acts along the bar.
+        // sigma = rho c0 v holds only without distributed forces.
         let plain = assemble::along(&scene.bar, &scene.effects).is_none();
         let probe = ElasticProbe::new(&scene.bar, &recorder.initial_fans, scene.solve.until).filter(|_| plain);
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
@@ -179,7 +179,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         })
     }
 
-    /// What is done before the first step.
+    /// Records the initial state, or repeats the checks of a resumed run, before the first step.
     fn start(&mut self) -> Result<()> {
         if self.resumed {
             if self.bar.step().is_multiple_of(self.between_pauses()) || self.bar.step() == self.steps {
@@ -194,12 +194,13 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         self.stop_at(if self.resumed { None } else { AtLimit::at_start(self.recorder.scene) })
     }
 
-    /// Steps between two pauses: fixed multiples, so that a resumed run performs its checks at the same steps.
+    /// Returns the number of steps between two pauses. Pauses are at multiples of this number, so that a resumed run performs its checks at the same
+    /// steps.
     fn between_pauses(&self) -> usize {
         (WORK_BETWEEN_CALLS / self.bar.grid().cells()).max(1)
     }
 
-    /// Records all frames that are due, with pauses: there can be millions of them in one step.
+    /// Records all frames that are due, with pauses: one step can contain millions of frames.
     fn take_frames(&mut self) -> Result<()> {
         loop {
             let keep = |frame| self.recorder.writer.frame(frame);
@@ -213,7 +214,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         }
     }
 
-    /// The next step after which anything looks at the bar: what follows step by step is logged on the way.
+    /// Returns the next step after which the bar is read; the quantities needed at every step are logged by the solver.
     fn next_look(&self) -> usize {
         let step = self.bar.step();
         let multiple_of = |every: usize| (step / every + 1) * every;
@@ -230,7 +231,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         [probe, instant].into_iter().flatten().filter(|&at| at > step).fold(next, usize::min)
     }
 
-    /// Everything but frames that is recorded after a step, and once at the start.
+    /// Records everything except frames, after a step and once at the start.
     fn record(&mut self) -> Result<()> {
         let step = self.bar.step();
         if let Some(listener) = &mut self.listener {
@@ -246,7 +247,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             let row = self.ledger.row(&self.bar);
             self.recorder.writer.ledger(row)?;
         } else if yielded {
-            // The residual and what the method gave are those of the run, however few its frames.
+            // The residual and the energy added by the method are those of the whole run, even if it has few frames.
             self.ledger.row(&self.bar);
         }
         if last || step.is_multiple_of((self.steps / FRONT_SIGHTINGS).max(1)) {
@@ -270,7 +271,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         self.recorder.write_traces(gauges, ends, self.bar.ruptures())
     }
 
-    /// Stops before anything of a state is recorded of which nothing is known.
+    /// Stops the run at a limit of the material data, before states beyond the limit are recorded.
     fn check_limits(&mut self) -> Result<()> {
         let (scene, dt) = (self.recorder.scene, self.bar.grid().dt);
         let due = self.bar.passed();
@@ -279,7 +280,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         self.stop_at(self.limits.iter().copied().find(|limit| limit.stops(scene)))
     }
 
-    /// Stops at a limit beyond which nothing is known.
+    /// Stops the run at this limit if the material has no data beyond it.
     fn stop_at(&mut self, limit: Option<AtLimit>) -> Result<()> {
         let scene = self.recorder.scene;
         let Some(stop) = limit.filter(|limit| limit.stops(scene)) else { return Ok(()) };
@@ -304,8 +305,10 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         RunError { reason, time: self.bar.time(), x, help: help.to_owned() }.into()
     }
 
-    /// # Errors
-    /// A method that gave the bar more energy than its errors on a coarse grid explain: a result that must not pass for one.
+    /// Checks that the method has not added more energy to the bar than the errors of a coarse grid explain.
+    ///
+    /// # # Errors
+    /// A [`RunError`] if it has: the result is invalid.
     fn takes_energy(&self) -> Result<()> {
         let given = self.ledger.most_given();
         if given <= MOST_GIVEN {
@@ -365,11 +368,11 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         self.recorder.close(ended, results)
     }
 
-    /// The self-similar solution knows no strain rate, nothing that acts along the bar, and of no bar that breaks. Where it is
-    /// not known, and an error was asked for, coarser runs tell.
+    /// Returns the error of the run: relative to the self-similar solution, which exists without rate dependence, distributed forces and fracture;
+    /// otherwise, if an error estimate was requested, from coarser runs. `None` if neither is available.
     ///
-    /// # Errors
-    /// [`Error::Interrupted`] if `progress` requests a stop: the run is complete, but not what was asked for.
+    /// # # Errors
+    /// [`Error::Interrupted`] if `progress` requests a stop: the run is complete, but its error estimate is not.
     fn error(&mut self) -> Result<Option<ErrorFigure>> {
         self.traces.close();
         self.write_traces()?;
@@ -412,7 +415,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         profile
     }
 
-    /// The segments now, and the pieces of a broken bar. A pass over all cells.
+    /// Returns the state of the segments and the fragments of a fractured bar at the current time. Passes over all cells.
     fn parts(&self) -> (Vec<SegmentEnd>, Fragments) {
         let bar = &self.recorder.scene.bar;
         let mut fragments = Fragments::new(bar.length(), self.bar.ruptures());
@@ -435,7 +438,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
                     mass,
                     momentum: mass * velocity[cell],
                     residual: Extreme { value: plastic[0][cell], at: self.centres[cell] },
-                    // Where flow is not followed back, the curve itself is: nothing accumulates.
+                    // Without the hardening effect no plastic strain is accumulated: flow follows the curve in both directions.
                     accumulated: plastic[1][cell].max(plastic[0][cell].abs()),
                 });
             }

@@ -1,4 +1,4 @@
-//! The time loop of front tracking: from one output time to the next, in batches of events.
+//! Time loop of front tracking: from one output time to the next, in batches of events.
 
 mod checkpoints;
 
@@ -20,26 +20,26 @@ use crate::scene::Scene;
 use crate::simulate::{Interval, Simulation, simulate};
 use crate::solver::moc::{FrontSegment, FrontTracking, Piece, Settings, Stopped};
 
-/// Events between two calls of the progress function: some milliseconds, and about 200 kB of front segments.
+/// Number of events between two calls of the progress function: some milliseconds, and about 200 kB of front segments.
 const BURST: u64 = 5_000;
 
-/// Largest relative residual of energy and momentum with which a run counts as done. Rounding leaves 1e-12 to 1e-9, the more
-/// the more events there were.
+/// Largest relative residual of energy and momentum of a valid run. Rounding errors are 1e-12 to 1e-9 and increase with the number of events.
 const CLOSED: f64 = 1e-6;
 
-/// Samples of the fields where the scene does not say.
+/// Number of samples of the fields if the scene does not specify it.
 const SAMPLES: usize = 1000;
 
-/// Distance from a joint at which its segment is read, in lengths of the bar.
+/// Distance from a joint at which its segment is read, relative to the length of the bar.
 const BESIDE_JOINT: f64 = 1e-9;
 
-/// How the reason of a run starts that used up its events.
+/// Beginning of the reason of a run that reached its limit of events.
 pub(super) const OUT_OF_EVENTS: &str = "front tracking reached its limit of";
 
-/// What a sample of the fields means, for the result file.
+/// Meaning of a sample of the fields, for the result file.
 const SAMPLING: &str = "exact; on a front, the state behind it; at a joint, the state on its right";
 
-/// Joints are read on their right, and are the last of these histories: their stress on the section to the left, as on a grid.
+/// Converts the stresses at joints to the section on the left of the joint, as on a grid. Joints are read on their right, and are the last of these
+/// histories.
 fn to_the_left_of_joints(scene: &Scene, histories: &mut [Trace]) {
     let first = histories.len().saturating_sub(super::beside_joints(scene).count());
     for (trace, [left, right]) in histories[first..].iter_mut().zip(super::beside_joints(scene)) {
@@ -62,43 +62,43 @@ pub(super) fn run(task: Task<'_>, settings: Settings) -> Result<Summary> {
     run.finish(ended)
 }
 
-/// A run under way.
+/// State of a run in progress.
 struct Run<'a> {
     recorder: RunRecorder<'a>,
     progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
     bar: FrontTracking,
-    /// Front segments of fronts that ended since the last look.
+    /// Front segments that have ended since the last look.
     ended: Vec<FrontSegment>,
     settings: Settings,
-    /// Times at which something is looked at, s, the next one last. They do not change what happens between them.
+    /// Times of the pauses, s, the next one last. Pauses do not change the solution.
     pauses: Vec<(f64, Pause)>,
-    /// Samples of the fields, m.
+    /// Sampling positions of the fields, m.
     x: Vec<f64>,
     gauges: StepGauges,
     ends: EndHistories,
-    /// For the estimate of the error.
+    /// Recorder for the error estimate.
     listener: FrontListener,
     fronts: TrackedFronts,
     paths: Paths,
     ledger: Ledger,
-    /// In torsion.
+    /// Data of a bar in torsion.
     twisted: Option<Twisted>,
-    /// None if nobody reads it.
+    /// Audit; `None` if it is not used.
     audit: Option<Audit>,
-    /// Where the audit looks, m.
+    /// Positions that the audit reads, m.
     watched: Vec<f64>,
     yielded: bool,
     elastic_check: Option<ElasticProbe>,
     breaks: Breaks,
 }
 
-/// Work between two steps or events.
+/// Purpose of a pause between two events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pause {
     Frame,
     AuditLook,
     ElasticCheck,
-    /// Of the estimate of the error.
+    /// Instant of the error estimate.
     Instant,
     End,
 }
@@ -119,13 +119,13 @@ impl Simulation for Run<'_> {
         self.recorder.stepping += interval.seconds;
         self.collect()?;
         let pause = self.pauses.last().map_or(Pause::End, |pause| pause.1);
-        // A look in between is no news.
+        // The arrival at these pauses is not reported as progress.
         let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || interval.arrived != Ok(true);
         match interval.arrived {
             Ok(true) => self.arrive()?,
             Ok(false) => {}
             Err(why) => {
-                // It ends here whatever the answer; a search that follows asks again.
+                // The answer is ignored because the run ends here; the search for a tolerance that may follow asks again.
                 let _ = self.report();
                 return Err(self.stopped(&why));
             }
@@ -170,7 +170,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Does what is to be done at the time of the next pause.
+    /// Performs the work of the next pause and removes the pause.
     fn arrive(&mut self) -> Result<()> {
         match self.pauses.pop() {
             Some((time, Pause::Frame)) => self.frame(time)?,
@@ -183,7 +183,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Takes in what has happened to the fronts since the last call.
+    /// Collects the front segments since the last call.
     fn collect(&mut self) -> Result<()> {
         let ended = std::mem::take(&mut self.ended);
         self.breaks.look_at(&self.bar, &ended);
@@ -224,7 +224,7 @@ impl<'a> Run<'a> {
         self.recorder.writer.ledger(row)
     }
 
-    /// The audit has nothing to see in a bar that is elastic.
+    /// Lets the audit read the bar, unless it is still elastic.
     fn look_for_yield(&mut self) {
         let flowed = |p: Piece<'_>| p.point.plastic != 0.0 || p.point.accumulated != 0.0;
         self.yielded = self.yielded || self.bar.pieces().any(flowed);
@@ -253,7 +253,7 @@ impl<'a> Run<'a> {
                     .into(),
             },
             Stopped::EventBudget { time, events, fronts } => {
-                // With a tolerance the caller has other methods to try.
+                // With a tolerance, the caller tries other methods instead.
                 let alone = self.recorder.scene.solve.tolerance.is_none();
                 let carries = || companion::tolerance_that_carries(self.recorder.scene, self.settings, self.progress);
                 let help = match alone.then(carries).unwrap_or(Ok(None)) {
@@ -337,8 +337,10 @@ impl<'a> Run<'a> {
         self.recorder.close(ended, results)
     }
 
-    /// # Errors
-    /// A balance of energy or momentum that is off by more than rounding: a result that must not pass for one.
+    /// Checks that the residuals of energy and momentum do not exceed rounding errors.
+    ///
+    /// # # Errors
+    /// A [`RunError`] if they do: the result is invalid.
     fn ledger_closes(&self) -> Result<()> {
         let [energy, momentum] = [self.ledger.worst_energy(), self.ledger.worst_momentum()];
         if energy <= CLOSED && momentum <= CLOSED {
@@ -357,7 +359,7 @@ impl<'a> Run<'a> {
         .into())
     }
 
-    /// How far the run may be off.
+    /// Returns the error estimate of the run; `None` if it is unknown.
     fn error_figure(&mut self) -> Result<Option<ErrorFigure>> {
         self.write_traces()?;
         let response = self.listener.clone().response(&self.bar);
@@ -385,8 +387,8 @@ impl<'a> Run<'a> {
         profile
     }
 
-    /// The segments now. Strain that has gathered in a point of a level curve counts; the
-    /// opening of a joint or of a fracture does not.
+    /// Returns the state of the segments at the current time. The elongation includes strain that has gathered at a point of a level curve, but not
+    /// the opening of a joint or of a fracture.
     fn segments(&self) -> Vec<SegmentEnd> {
         let segments = &self.recorder.scene.bar.segments;
         let inside = BESIDE_JOINT * self.recorder.scene.bar.length();
@@ -418,14 +420,14 @@ impl<'a> Run<'a> {
                 plastic_elongation: -point.stress / medium.modulus * length,
                 momentum: mass * point.velocity,
                 residual: Extreme { value: medium.plastic_strain(point), at: 0.5 * (piece.from + piece.to) },
-                // Where flow is not followed back, the curve itself is: nothing accumulates.
+                // Without the hardening effect no plastic strain is accumulated: flow follows the curve in both directions.
                 accumulated: (point.accumulated / medium.modulus).max(medium.plastic_strain(point).abs()),
             });
         }
         segments
     }
 
-    /// The pieces of a broken bar now.
+    /// Returns the fragments of a fractured bar at the current time.
     fn fragments(&self) -> Fragments {
         let mut fragments = Fragments::new(self.recorder.scene.bar.length(), self.bar.ruptures());
         for piece in self.bar.pieces() {
@@ -452,7 +454,7 @@ impl<'a> Run<'a> {
         rows
     }
 
-    /// Stress and velocity of the ends, and the strain right at them.
+    /// Returns stress, velocity and strain at the ends.
     fn end_states(&self) -> [EndSummary; 2] {
         let mut strains = [0.0; 2];
         self.bar.sample(Field::Strain, &[0.0, self.recorder.scene.bar.length()], &mut strains);
@@ -466,7 +468,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Times at which something is looked at, s, the last one first.
+/// Returns the times of the pauses, s, the last one first.
 fn pauses(scene: &Scene, elastic_check: Option<&ElasticProbe>, audited: bool) -> Vec<(f64, Pause)> {
     let until = scene.solve.until;
     let mut pauses: Vec<(f64, Pause)> = scene.record.times.iter().map(|&time| (time, Pause::Frame)).collect();
@@ -482,7 +484,7 @@ fn pauses(scene: &Scene, elastic_check: Option<&ElasticProbe>, audited: bool) ->
     pauses
 }
 
-/// Centres of `count` equal parts of the bar, m.
+/// Returns the centres of `count` equal parts of the bar, m.
 fn even_places(length: f64, count: usize) -> Vec<f64> {
     let part = length / count as f64;
     (0..count).map(|i| (i as f64 + 0.5) * part).collect()

@@ -1,4 +1,4 @@
-//! How long the solver takes for a run on this machine: tried out, from the start of the run and a coarse run of the same scene.
+//! Measures how long the solver takes for a run on this machine, from the start of the run and from coarse runs of the same scene.
 
 use super::history_places;
 use super::limits::{check_start, limits};
@@ -12,39 +12,39 @@ use crate::solver::moc::{FrontTracking, Settings};
 use serde::Serialize;
 use std::time::Instant;
 
-/// Time after which the start of the run ends, and the coarse run, s.
+/// Time limit of the start of the run, and of each coarse run, s.
 const LIMIT: f64 = 0.2;
 
-/// Readings of the clock over a run on a grid, about as many as a run makes between its steps.
+/// Number of clock readings during a run on a grid; a full run makes about as many between its steps.
 const LOOKS: usize = 400;
 
-/// Events between two readings.
+/// Events between two clock readings.
 const EVENTS: u64 = 500;
 
-/// Cells of the largest grid that is tried. The time of a larger one goes with the square of the cells.
+/// Largest number of cells that is tried. The time of a larger grid is extrapolated with the square of the cells.
 const MOST_CELLS: usize = 1 << 20;
-/// Cells of the smallest grid that shows where the work is.
+/// Smallest number of cells of a coarse run, which still shows where the work is.
 const LEAST_CELLS: usize = 50;
 
-/// Factor by which the time of a run differs from one time to the next, and from what its start tells.
+/// Uncertainty factors of the time: of a run that was tried completely, which differs from one time to the next, and of an extrapolated run.
 const WHOLE: f64 = 1.4;
 const EXTRAPOLATED: f64 = 2.0;
 
-/// What a trial tells of a run.
+/// Result of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Trial {
-    /// Time of the solver, s, shortest and longest.
+    /// Shortest and longest expected time of the solver, s.
     #[serde(rename = "expected_s")]
     pub seconds: [f64; 2],
-    /// Events, where fronts are tracked and the whole run was tried.
+    /// Number of events, if front tracking is used and the whole run was tried.
     #[serde(rename = "expected_events", skip_serializing_if = "Option::is_none")]
     pub events: Option<u64>,
-    /// Share of the end time up to which the run was tried; 1: all of it.
+    /// Fraction of the end time up to which the run was tried; 1 for the whole run.
     #[serde(rename = "tried_share")]
     pub share: f64,
 }
 
-/// Tries a scene for some tenths of a second. A scene that asks for pieces has to be in pieces already, see [`Scene::in_pieces`].
+/// Tries a scene for some tenths of a second. A scene that requires discretization into pieces must already be discretized, see [`Scene::in_pieces`].
 pub fn trial(scene: &Scene) -> Trial {
     let method = scene.solve.method;
     let tried = method.with_cells(method.cells().unwrap_or_default().min(MOST_CELLS));
@@ -60,21 +60,21 @@ pub fn trial(scene: &Scene) -> Trial {
     Trial { seconds: [seconds / factor, seconds * factor], events, share: start.share() }
 }
 
-/// Coarse runs that are tried until one of them comes to its end within [`LIMIT`].
+/// Largest number of coarse runs that are tried until one of them reaches its end within [`LIMIT`].
 const COARSE_RUNS: usize = 4;
 
-/// The time of a run of which only the start was tried, s.
+/// Returns the expected time of a run of which only the start was tried, s.
 fn extrapolated(scene: &Scene, tried: Method, start: &Course) -> f64 {
     let Some((method, coarse)) = coarse_run(scene, tried, start) else { return start.seconds() / start.share() };
     let by_start = start.seconds() / coarse.part(start.share());
     let (Some(cells), Some(fewer)) = (tried.cells(), method.cells()) else { return by_start };
-    // The work of a grid goes with the square of the cells. Its start, when most cells are at rest, tells little of the time that it takes
-    // once waves are everywhere; the farther it goes, the more.
+    // The work on a grid is proportional to the square of the cells. The start, when most cells are quiescent, is a poor measure of the time once
+    // waves are everywhere; the further it reaches, the larger its weight.
     let by_cells = coarse.whole() * (cells as f64 / fewer as f64).powi(2);
     by_start.powf(start.share()) * by_cells.powf(1.0 - start.share())
 }
 
-/// The coarse run of a scene: the first that comes to its end, or the last one tried.
+/// Runs coarser versions of a scene. Returns the first one that reaches its end, or the last one tried.
 fn coarse_run(scene: &Scene, tried: Method, start: &Course) -> Option<(Method, Course)> {
     let mut method = coarser(tried, start)?;
     let mut course = follow(scene, method);
@@ -85,7 +85,7 @@ fn coarse_run(scene: &Scene, tried: Method, start: &Course) -> Option<(Method, C
     Some((method, course))
 }
 
-/// A method whose run takes about a half of [`LIMIT`], if that of `start` takes longer.
+/// Returns a method whose run takes about half of [`LIMIT`], given the course of `start`; `None` if no coarser method exists.
 fn coarser(method: Method, start: &Course) -> Option<Method> {
     let less = (0.5 * LIMIT * start.share() / start.seconds()).sqrt();
     if let Method::FrontTracking { front_tolerance, event_budget } = method {
@@ -97,14 +97,14 @@ fn coarser(method: Method, start: &Course) -> Option<Method> {
     Some(method.with_cells(cells.max(LEAST_CELLS))).filter(|coarse| coarse.cells() < method.cells())
 }
 
-/// How a run went on.
+/// Computing time of a run as a function of its progress.
 #[derive(Debug, Default)]
 struct Course {
-    /// Share of the end time, and time of the solver up to then, s.
+    /// Fraction of the end time, and solver time up to then, s.
     points: Vec<[f64; 2]>,
-    /// Events up to the last point.
+    /// Number of events up to the last point.
     events: u64,
-    /// The run came to its end, or cannot go on.
+    /// Whether the run reached its end, or cannot continue.
     ended: bool,
 }
 
@@ -113,18 +113,18 @@ impl Course {
         self.points.last().map_or(0.0, |point| point[1])
     }
 
-    /// Of the end time, at least what can be divided by.
+    /// Returns the fraction of the end time that was reached; at least `f64::EPSILON`, because it is used as a divisor.
     fn share(&self) -> f64 {
         if self.ended { 1.0 } else { self.points.last().map_or(0.0, |point| point[0]).max(f64::EPSILON) }
     }
 
-    /// The time of all of it, s: as it went on average, where it did not come to its end.
+    /// Returns the time of the whole run, s: an extrapolation at the average rate if the run did not reach its end.
     fn whole(&self) -> f64 {
         self.seconds() / self.share()
     }
 
-    /// Part of its whole time that is spent when this share of the end time is reached. A run that did not come to its end is taken to go
-    /// on as it went on average.
+    /// Returns the fraction of the total time that is spent when this fraction of the end time is reached. A run that did not reach its end is
+    /// assumed to continue at its average rate.
     fn part(&self, share: f64) -> f64 {
         let next = self.points.partition_point(|point| point[0] < share);
         let [before, after] = [next.wrapping_sub(1), next].map(|k| self.points.get(k));
@@ -138,7 +138,7 @@ impl Course {
     }
 }
 
-/// The course of a scene by a method, for [`LIMIT`] at the longest.
+/// Runs a scene by a method for at most [`LIMIT`] and returns its course.
 fn follow(scene: &Scene, method: Method) -> Course {
     let scene = &scene.by(method);
     assemble::solve(scene, Task { scene })
@@ -176,17 +176,17 @@ impl assemble::Task for Task<'_> {
     }
 }
 
-/// A bar that is followed for a while.
+/// Bar that is simulated for a limited time.
 struct Tried<S: Solver, N, A, E> {
     bar: S,
     log: S::Log,
-    /// Where it is looked at next.
+    /// Returns the next mark at which the bar is read.
     next: N,
-    /// Share of the end time, and events.
+    /// Returns the fraction of the end time, and the number of events.
     at: A,
-    /// Nothing is known from here on.
+    /// Returns whether the bar has reached a limit beyond which its material has no data.
     stops: E,
-    /// Work between two looks at the most.
+    /// Largest work between two looks.
     work: u64,
     course: Course,
 }
@@ -200,13 +200,13 @@ where
 {
     fn course(mut self) -> Course {
         let work = self.work;
-        // What ends it early leaves a course up to then.
+        // If the simulation ends early, the course covers the time up to then.
         let _: Result<(), Early> = simulate(&mut self, work);
         self.course
     }
 }
 
-/// The trial ended before the end time.
+/// Marker that the trial ended before the end time.
 struct Early;
 
 impl<S, N, A, E> Simulation for Tried<S, N, A, E>
@@ -252,7 +252,7 @@ mod tests {
         near(begun.part(0.5), 0.5);
         near(begun.part(0.25), 1.0 / 6.0);
         near(begun.part(0.75), 0.75);
-        // Nothing to tell from.
+        // A course without points contains no information.
         near(course(&[], false).part(0.3), 0.3);
     }
 }

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use crate::record::AutoChoice;
 
-/// What was chosen so far.
+/// Selections made so far.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Auto {
-    /// In the order in which it was chosen.
+    /// Decisions on effects, in the order in which they were made.
     pub choices: Vec<AutoChoice>,
 }

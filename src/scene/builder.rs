@@ -1,4 +1,4 @@
-//! Scenes built in a program, key by key.
+//! Scenes that are built in a program, key by key.
 
 use std::path::{Path, PathBuf};
 
@@ -7,19 +7,19 @@ use toml::{Table, Value};
 use super::{IntoValue, Scene};
 use crate::error::{InputError, Result};
 
-/// Keys of a scene with their values, as in a scene file and checked in the same way: numbers are SI, texts may carry a unit.
+/// Builder of a scene from keys and values, which are checked like those of a scene file: numbers are in SI units, strings may contain a unit.
 #[derive(Debug, Clone, Default)]
 pub struct SceneBuilder {
     table: Table,
     folder: PathBuf,
-    /// The first key that could not be set, and why.
+    /// First key that could not be set, with the reason.
     blocked: Option<(String, String)>,
 }
 
 impl SceneBuilder {
-    /// Sets a key by its path in the scene file, such as `bar.length` or `left.kind`; the tables on the way are made. What was there is
-    /// replaced. An item of a list has its number, from 0, as for [`Scene::with`]: `bar.segment.0.length`; the key of a table with the next
-    /// number adds that to the list.
+    /// Sets a key by its path in the scene file, such as `bar.length` or `left.kind`, and creates missing tables. An existing value is replaced. An
+    /// item of a list is addressed by its index from 0, as for [`Scene::with`]: `bar.segment.0.length`. A key in a table with the next index appends
+    /// this table to the list.
     #[must_use]
     pub fn set(mut self, key: &str, value: impl IntoValue) -> Self {
         let parts: Vec<&str> = key.split('.').map(str::trim).collect();
@@ -30,7 +30,7 @@ impl SceneBuilder {
         self
     }
 
-    /// The folder to which paths of materials and histories are relative; the current one otherwise.
+    /// Sets the folder to which paths of materials and histories are relative; by default the current folder.
     #[must_use]
     pub fn folder(mut self, folder: &Path) -> Self {
         folder.clone_into(&mut self.folder);
@@ -40,7 +40,8 @@ impl SceneBuilder {
     /// Checks the scene.
     ///
     /// # Errors
-    /// As for [`Scene::read`]; places are lines of the scene as it would stand in a file. A key inside of one that is no table.
+    /// As for [`Scene::read`], with lines of the scene as it would be written to a file; an [`InputError`] if a key was set inside a value that is
+    /// not a table.
     pub fn build(self) -> Result<Scene> {
         if let Some((key, why)) = self.blocked {
             return Err(InputError::new(why).key(key).help("set either a table or list, or the keys in it").into());
@@ -51,12 +52,12 @@ impl SceneBuilder {
     }
 }
 
-/// The value of a key; a table where there is none.
+/// Returns the value of a key; inserts an empty table if there is none.
 fn entry<'a>(table: &'a mut Table, key: &str) -> &'a mut Value {
     table.entry(key).or_insert_with(|| Value::Table(Table::new()))
 }
 
-/// Sets what lies at the parts of a key inside a value; the reason where there is no such place.
+/// Sets the value at the remaining parts of a key; returns the reason if there is no such position.
 fn put(at: &mut Value, parts: &[&str], value: Value) -> std::result::Result<(), String> {
     let [part, inside @ ..] = parts else {
         *at = value;

@@ -1,5 +1,5 @@
-//! Capabilities in two tables: the features each method supports, and the features that exclude each other. Refusals with their
-//! alternatives, the default method, and the table of docs/guide/methods.md follow from them.
+//! Capabilities in two tables: the features that each method supports, and the features that exclude each other. Error messages with their
+//! alternatives, the default method, and the table of docs/guide/methods.md are derived from them.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use crate::law::Table;
 use crate::material::Sense;
 use crate::typed::Placed;
 
-/// The solvers, in the order of the columns.
+/// Solvers, in the order of the columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Solver {
     Leapfrog,
@@ -20,38 +20,38 @@ pub(super) enum Solver {
     Net,
 }
 
-/// Whether a solver supports a part of a scene.
+/// Support of a feature by a solver.
 #[derive(Debug, Clone, Copy)]
 enum Can {
     Yes,
-    /// In a different form.
+    /// Supported in a different form.
     As(&'static str),
     No,
-    /// A restricted case of the title of the row.
+    /// Supported only in a restricted case of the row.
     Only(&'static str),
-    /// The method then uses another solver.
+    /// Not applicable: the method then uses another solver.
     Other,
 }
 
-/// What a scene requires of its method.
+/// Features that a scene requires of its method.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asked<'a> {
     pub(super) effects: &'a RawEffects,
-    /// `effects = "auto"`.
+    /// Whether `effects = "auto"` is used.
     pub(super) auto: bool,
     pub(super) bar: &'a Bar,
     pub(super) ends: &'a [EndCondition],
 }
 
-/// A part of a scene and the solvers that support it.
+/// Feature of a scene, and the solvers that support it.
 struct Row {
-    /// In the table of the guide.
+    /// Title in the table of the guide.
     title: &'static str,
-    /// Whether the scene requires it, and the text for `{}` in the name.
+    /// Returns `None` if the scene does not require the feature, otherwise the text for `{}` in the name.
     asked: fn(&Asked<'_>) -> Option<String>,
-    /// In messages.
+    /// Name in messages.
     name: &'static str,
-    /// Why some solvers do not support it; may be empty.
+    /// Reason for which some solvers do not support it; may be empty.
     why: &'static str,
     /// Alternative to another method; may be empty.
     or: &'static str,
@@ -63,11 +63,11 @@ use Can::{As, No, Only, Other, Yes};
 const IN_PIECES: Can = As("as uniform pieces");
 const NOT_ONE_CURVE: &str = "the temperature is then a state variable of each cell, not a function of plastic strain";
 const NO_CHARACTERISTICS: &str = "it couples all nodes of a grid";
-/// The alternative to the overlay model.
+/// Alternative to the overlay model.
 pub(super) const MIXED: &str =
     "use hardening = { mixed = 1 }, which moves the elastic range along the curve by the accumulated plastic strain";
 
-/// In the order of the checks. The columns: leapfrog, Godunov, front tracking, net.
+/// Features in the order of the checks, with the columns leapfrog, Godunov, front tracking, net.
 #[rustfmt::skip]
 const METHODS: &[Row] = &[
     row("`hardening` isotropic, mixed", |_| None, "isotropic hardening", "", "",
@@ -144,7 +144,7 @@ fn ball(asked: &Asked<'_>) -> bool {
     asked.ends.iter().any(|end| matches!(end, EndCondition::Ball { .. }))
 }
 
-/// Hardening moves the elastic range.
+/// Returns whether hardening moves the elastic range.
 fn moves(asked: &Asked<'_>) -> bool {
     asked.effects.hardening.as_ref().is_some_and(|u| !matches!(u.get_ref(), RawHardening::Isotropic))
 }
@@ -153,7 +153,7 @@ fn curve(segment: &Segment, sense: Sense) -> Table {
     Table::new(segment.material.branch(sense), segment.material.modulus)
 }
 
-/// The material of the first such segment.
+/// Returns the name of the material of the first segment for which `such` returns true.
 fn material_of(asked: &Asked<'_>, such: impl Fn(&&Segment) -> bool) -> Option<String> {
     asked.bar.segments.iter().find(such).map(|segment| format!("`{}`", segment.material.name))
 }
@@ -167,7 +167,7 @@ fn stiffens(asked: &Asked<'_>) -> Option<String> {
     material_of(asked, |s| moves(asked) && !concave(s))
 }
 
-/// The temperature is a state variable from the start.
+/// Returns whether the temperature is a state variable from the start.
 fn starts_warm(asked: &Asked<'_>) -> bool {
     asked.bar.segments.iter().any(|s| s.material.is_adiabatic() && (s.has_yielded() || s.starts_warm()))
 }
@@ -177,17 +177,17 @@ fn tapered(bar: &Bar) -> Option<usize> {
 }
 
 impl RawEffects {
-    /// The key `lateral-inertia` if it is true.
+    /// Returns the key `lateral-inertia` if it is true.
     pub(super) fn lateral_inertia(&self) -> Option<&Placed<bool>> {
         self.lateral_inertia.as_ref().filter(|on| *on.get_ref())
     }
 
-    /// The key `hardening` if it is Armstrong-Frederick.
+    /// Returns the key `hardening` if it is Armstrong-Frederick.
     fn armstrong_frederick(&self) -> Option<&Placed<RawHardening>> {
         self.hardening.as_ref().filter(|rule| matches!(rule.get_ref(), RawHardening::ArmstrongFrederick(_)))
     }
 
-    /// Hardening is that of [`crate::law::Overlay`] where a curve has several hardening lines; never with a rate or heat.
+    /// Returns whether a curve with several hardening lines uses [`crate::law::Overlay`]; never with rate dependence or heating.
     pub(super) fn overlays(&self) -> bool {
         let kinematic = self.hardening.as_ref().is_some_and(|u| matches!(u.get_ref(), RawHardening::Kinematic));
         kinematic && self.rate.is_none() && self.heat.is_none()
@@ -195,7 +195,7 @@ impl RawEffects {
 }
 
 impl Solver {
-    /// The solver that a method of the scene language means.
+    /// Returns the solver of a method of the scene language.
     pub(super) fn of(method: RawMethod, muscl: bool, rate: bool) -> Self {
         match (method, rate) {
             (RawMethod::Fd, _) if muscl => Self::Godunov,
@@ -205,7 +205,7 @@ impl Solver {
         }
     }
 
-    /// The keys that select it, with the name of the method.
+    /// Returns the keys that select the solver, with the name of the method.
     fn words(self) -> &'static str {
         match self {
             Self::Leapfrog => "method = \"fd\"",
@@ -215,18 +215,18 @@ impl Solver {
         }
     }
 
-    /// The first part of a scene that it does not support.
+    /// Returns the first feature of a scene that the solver does not support.
     fn misses(self, asked: &Asked<'_>) -> Option<(&'static Row, String)> {
         let mut missed = METHODS.iter().filter(|row| matches!(row.can[self as usize], No | Only(_)));
         missed.find_map(|row| Some((row, (row.asked)(asked)?)))
     }
 
-    /// It supports the whole scene.
+    /// Returns whether the solver supports the whole scene.
     pub(super) fn can(self, asked: &Asked<'_>) -> bool {
         self.misses(asked).is_none()
     }
 
-    /// The other solvers that support the whole scene, as help lines name them.
+    /// Returns the other solvers that support the whole scene, as they are named in help lines.
     fn instead(self, asked: &Asked<'_>) -> Vec<&'static str> {
         let of_moc = if rate(asked) { Self::Net } else { Self::FrontTracking };
         let leapfrog = if self == Self::Godunov { "scheme = \"leapfrog\"" } else { Self::Leapfrog.words() };
@@ -235,7 +235,7 @@ impl Solver {
     }
 }
 
-/// Refuses a solver that does not support a part of the scene; the error points at the key of the method.
+/// Refuses a solver that does not support a feature of the scene. The position of the error is that of the key of the method.
 pub(super) fn method_can(document: &Document, raw: &RawSolve, solver: Solver, asked: &Asked<'_>) -> Result<()> {
     let Some((row, of)) = solver.misses(asked) else { return Ok(()) };
     let (key, span, allowed) = if solver == Solver::Godunov {
@@ -255,7 +255,7 @@ pub(super) fn method_can(document: &Document, raw: &RawSolve, solver: Solver, as
     Err(document.error(span.unwrap_or(0..0), key, message).allowed(allowed).help(help).into())
 }
 
-/// A part of a scene and its place in the file.
+/// Feature of a scene and its position in the file.
 struct Found {
     /// Name in messages; the number of a segment.
     name: String,
@@ -263,14 +263,15 @@ struct Found {
     span: Range<usize>,
 }
 
-/// The parts of a scene that can exclude each other.
+/// Features of a scene that can exclude each other.
 struct Parts<'a> {
     raw_bar: &'a RawBar,
     effects: &'a RawEffects,
     bar: &'a Bar,
 }
 
-/// Two parts of a scene that exclude each other in every method. `{1}` and `{2}` in the texts are their names; the error points at the first.
+/// Two features that exclude each other with every method. `{1}` and `{2}` in the texts are their names. The position of the error is that of the
+/// first.
 struct Pair {
     first: fn(&Parts<'_>) -> Option<Found>,
     second: fn(&Parts<'_>) -> Option<Found>,
@@ -321,12 +322,12 @@ fn recalled(parts: &Parts<'_>) -> Option<Found> {
     })
 }
 
-/// `rate` or `heat`, with which the elastic range depends on more than the plastic strain: the first that is on.
+/// Returns the first enabled effect of `rate` and `heat`, with which the elastic range depends on more than the plastic strain.
 fn rated(parts: &Parts<'_>) -> Option<Found> {
     effect("rate", parts.effects.rate.as_ref()).or_else(|| heating(parts))
 }
 
-/// Distributed forces, `damping` or `lateral-inertia`: the first that is on.
+/// Returns the first enabled effect of `damping` and `lateral-inertia`, which cause distributed forces.
 fn along(parts: &Parts<'_>) -> Option<Found> {
     let lateral = || effect("lateral-inertia", parts.effects.lateral_inertia());
     effect("damping", parts.effects.damping.as_ref()).or_else(lateral)
@@ -349,7 +350,7 @@ fn taper(parts: &Parts<'_>) -> Option<Found> {
     Some(Found { name: (k + 1).to_string(), key, span })
 }
 
-/// Refuses parts of a scene that exclude each other.
+/// Refuses features of a scene that exclude each other.
 pub(super) fn all_go_together(document: &Document, raw_bar: &RawBar, effects: &RawEffects, bar: &Bar) -> Result<()> {
     let parts = Parts { raw_bar, effects, bar };
     for pair in TOGETHER {
@@ -362,7 +363,7 @@ pub(super) fn all_go_together(document: &Document, raw_bar: &RawBar, effects: &R
     Ok(())
 }
 
-/// Keys that a bar scene does not have but that name a known feature: the feature, and the alternative.
+/// Keys that a bar scene does not have but that name a known feature: the key, the feature, and the alternative.
 #[rustfmt::skip]
 const ELSEWHERE: &[(&str, &str, &str)] = &[
     ("striker", "a striking body of its own",
@@ -370,7 +371,8 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
     ("solve.viscosity", "artificial viscosity", "remove it"),
 ];
 
-/// Replaces the error "unknown key" by an explanation if the key is in [`ELSEWHERE`], or a striker's without anything that it strikes.
+/// Replaces the error "unknown key" by an explanation if the key is in [`ELSEWHERE`], or if it is `striker` in a scene without anything that it
+/// strikes.
 pub(super) fn not_a_key(error: Error, has_bar: bool) -> Error {
     let Error::Input(error) = error else { return error };
     if error.key == "striker" && !has_bar && error.message.starts_with("unknown key") {
@@ -383,7 +385,7 @@ pub(super) fn not_a_key(error: Error, has_bar: bool) -> Error {
     InputError { message: format!("this version does not simulate {what}"), ..error }.help(*help).into()
 }
 
-/// The table of the guide, in Markdown: a line for the head, and one for each part of a scene.
+/// Returns the table of the guide in Markdown: the heading, and one line per feature.
 pub fn methods_table() -> String {
     let cell = |can: &Can| match can {
         Yes => "yes",

@@ -1,4 +1,4 @@
-//! A scene with changed keys, to compare effects, methods or resolutions.
+//! Scenes with changed keys, for the comparison of effects, methods or resolutions.
 
 use super::overrides::Overrides;
 use super::{IntoValue, Method, Scene, SceneParts, check};
@@ -6,8 +6,8 @@ use crate::error::Result;
 use crate::input::Document;
 
 impl Scene {
-    /// The scene with keys changed, each `KEY=VALUE` as for [`Scene::read`], on top of its overrides: its text and files are read again,
-    /// everything is checked again, and defaults follow. The changes are among the overrides in the result file.
+    /// Returns the scene with changed keys, each `KEY=VALUE` as for [`Scene::read`], in addition to its overrides. Its text and files are read again,
+    /// and everything is checked again with new defaults. The changes are among the overrides in the result file.
     ///
     /// ```
     /// use barwave::scene::Scene;
@@ -38,7 +38,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The same with one key changed to a value of a program.
+    /// Returns the scene with one key changed to a value given by a program.
     ///
     /// ```
     /// use barwave::scene::Scene;
@@ -57,14 +57,14 @@ impl Scene {
         self.with(&[format!("{key}={}", value.into_value())])
     }
 
-    /// The scene whose run estimates its error, as with `--estimate-error`.
+    /// Returns the scene with the error estimate enabled, as with `--estimate-error`.
     #[must_use]
     pub fn with_error_estimate(mut self) -> Self {
         self.parts.solve.estimate_error = true;
         self
     }
 
-    /// A scene with a tolerance, to be run by these of the methods that can do it alone. Unchanged where none of them is meant.
+    /// Restricts the methods of a scene with a tolerance to those for which `meant` returns true. Returns the scene unchanged if there are none.
     #[must_use]
     pub fn with_methods(mut self, meant: impl Fn(&Method) -> bool) -> Self {
         if let Some(tolerance) = &mut self.parts.solve.tolerance
@@ -75,25 +75,25 @@ impl Scene {
         self
     }
 
-    /// The scene by another method that can do it.
+    /// Returns the scene with another method, which must support it.
     pub(crate) fn by(&self, method: Method) -> Self {
         let mut scene = self.clone();
         scene.parts.solve.method = method;
         scene
     }
 
-    /// The scene's text, with its overrides, has this key.
+    /// Returns whether the scene's text, with its overrides, contains this key.
     pub(crate) fn names(&self, key: &str) -> bool {
         let document = Document::new(self.name.as_str(), self.text.as_str());
         let edited = Overrides::new(&self.overrides).and_then(|overrides| overrides.apply(&document));
         edited.is_ok_and(|edited| edited.span_of(key).is_some())
     }
 
-    /// The same scene with keys changed, each `KEY=VALUE` as for [`Scene::read`], on top of its overrides: everything is
-    /// checked again, and defaults follow. Text, overrides and choices stay what they were.
+    /// Returns the scene with changed keys, each `KEY=VALUE` as for [`Scene::read`], in addition to its overrides. Everything is checked again with
+    /// new defaults. The text, the overrides and the selected effects remain those of this scene.
     ///
     /// # Errors
-    /// What the changed scene is refused for.
+    /// Those of the changed scene.
     pub(crate) fn with_changes(&self, changes: &[String]) -> Result<Self> {
         let all: Vec<String> = self.overrides.iter().chain(changes).cloned().collect();
         let document = Document::new(self.name.as_str(), self.text.as_str());

@@ -1,4 +1,4 @@
-//! The critical velocity that a run states.
+//! Critical velocity reported by a run.
 
 use std::borrow::Cow;
 
@@ -8,13 +8,13 @@ use crate::material::Sense;
 use crate::wave::similarity::critical;
 
 impl Scene {
-    /// The ends with what they impose before the end of the run.
+    /// Returns the end conditions with their histories truncated at the end of the run.
     pub fn ends_in_run(&self) -> [Cow<'_, EndCondition>; 2] {
         [&self.left, &self.right].map(|end| end.until(self.solve.until))
     }
 
-    /// The critical velocity that goes with the bar's loading: of the struck material in the sense in which it is struck, at its initial temperature
-    /// where that is uniform, without initial stress and plastic strain; m/s. None where the data of its curve hold none.
+    /// Returns the critical velocity for the loading of the bar, m/s: that of the struck material in the sense of the impact, at its initial
+    /// temperature if this is uniform, without initial stress and plastic strain. Returns `None` if the data of the curve contain none.
     pub fn critical_velocity(&self) -> Option<f64> {
         let [left, right] = self.ends_in_run();
         let bar = self.bar.on_warm_curves().without_initial_state();
@@ -24,7 +24,8 @@ impl Scene {
         critical(material.branch(sense), material.density).map(|critical| critical.velocity)
     }
 
-    /// It is driven above its critical velocity from the start on; not known of a bar that is stressed, has flowed, or is warmer at one place than at another.
+    /// Returns whether the bar is loaded above its critical velocity from the start; false, because unknown, for a bar that is stressed, has yielded,
+    /// or has a nonuniform temperature.
     pub fn is_above_critical(&self) -> bool {
         let [left, right] = self.ends_in_run();
         initial_fans(&self.bar.on_warm_curves(), &left, &right).iter().any(|fan| fan.fan.above_critical)

@@ -1,4 +1,4 @@
-//! The effect `damping`: forces along the bar, each declared once.
+//! The effect `damping`: distributed forces, each declared once.
 
 use std::ops::Range;
 
@@ -10,26 +10,26 @@ use crate::input::Document;
 use crate::typed::{Key as _, NotNegative, Of, Or};
 use crate::units::{Dimension, System, format, measures};
 
-/// What a force acts on.
+/// Quantity to which a force is related.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Per {
-    /// The area of the section: a stress.
+    /// Area of the section: the force is a stress.
     Area,
-    /// The length of the bar, whose section must then be known.
+    /// Length of the bar; the area of the section must then be known.
     Length,
 }
 
-/// A key of `damping`.
+/// Key of `damping`.
 pub(super) struct Key {
     pub name: &'static str,
     pub place: Option<Range<usize>>,
     pub per: Per,
 }
 
-/// Declares the forces. A row: name, dimension of its constant, which is >= 0, and what it acts on.
+/// Declares the forces. Each row contains the name, the dimension of the constant (which is >= 0), and the quantity to which the force is related.
 macro_rules! forces {
     ($($(#[doc = $doc:literal])* $name:ident: $dimension:ident, $per:ident;)*) => {
-        /// Forces along the bar in SI, >= 0; each is 0 where it is not asked for.
+        /// Constants of the distributed forces in SI units, >= 0; 0 for a force that is not set.
         #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
         pub struct Damping {
             $($(#[doc = $doc])* pub $name: f64,)*
@@ -46,7 +46,7 @@ macro_rules! forces {
         impl Damping {
             pub(super) const NAMES: &[&str] = &[$(stringify!($name),)*];
 
-            /// As it is listed: "internal = 20 kPa*s, external = 300 N*s/m^2".
+            /// Returns the constants as listed in messages: "internal = 20 kPa*s, external = 300 N*s/m^2".
             pub(super) fn describe(self) -> String {
                 let all = [$((stringify!($name), self.$name, Dimension::$dimension),)*];
                 let on = all.iter().filter(|(_, value, _)| *value > 0.0);
@@ -63,7 +63,7 @@ macro_rules! forces {
                 vec![$(Key { name: stringify!($name), place: self.$name.place(), per: Per::$per },)*]
             }
 
-            /// The constants in SI.
+            /// Reads the constants in SI units.
             pub(super) fn read(&self, document: &Document) -> Result<Damping> {
                 Ok(Damping { $($name: self.$name.si(document, false)?,)* })
             }

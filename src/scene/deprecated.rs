@@ -5,7 +5,7 @@ use toml::Value;
 use super::overrides::Overrides;
 use crate::input::DEPRECATED_KEYS;
 
-/// One note for each deprecated key of a scene's text or of its overrides.
+/// Returns one note for each deprecated key in a scene's text or overrides.
 pub(super) fn notes(text: &str, overrides: &[String]) -> Vec<String> {
     let mut keys = Overrides::new(overrides).map(|typed| typed.keys()).unwrap_or_default();
     if let Ok(table) = toml::from_str::<toml::Table>(text) {
@@ -15,7 +15,7 @@ pub(super) fn notes(text: &str, overrides: &[String]) -> Vec<String> {
     given.map(|(table, old, new)| format!("the key `{old}` in [{table}] is deprecated; use `{new}`")).collect()
 }
 
-/// All dotted keys, without the indices of lists.
+/// Collects all dotted keys, without the indices of lists.
 fn collect(value: &Value, key: &str, keys: &mut Vec<String>) {
     match value {
         Value::Table(table) => {

@@ -1,15 +1,15 @@
-//! Tapered segments as staircases of uniform pieces, for methods whose media are uniform; and initial states that change along a segment as
-//! staircases, for front tracking.
+//! Discretization of tapered segments into staircases of uniform pieces, for methods with uniform media, and of initial states that vary along a
+//! segment into staircases, for front tracking.
 //!
-//! A piece has the exact mean area over its length, and all pieces of a segment have one length, so that waves that split at
-//! their joints meet again in points. At a step from area A to B a wave leaves the part (B - A)/(B + A) of its force behind.
-//! The number of pieces is at least the one that keeps this below a share r at every step, which bounds |A'/A| h by 2 r for
-//! pieces of length h; on a net a piece has at most 32 cells. Against the true taper, forces and velocities of waves longer than
-//! the pieces are right to h^2; at a place inside a piece the stress is off by up to r, since it is the force over the piece's mean area.
+//! A piece has the exact mean area over its length. All pieces of a segment have the same length, so that waves that split at their joints meet again
+//! in points. At a step from area A to B, the fraction (B - A)/(B + A) of the force of a wave is reflected. The number of pieces is at least the
+//! smallest one that keeps this fraction below a limit r at every step, which bounds |A'/A| h by 2 r for pieces of length h. On a net a piece has at
+//! most 32 cells. Compared with the true taper, the error of forces and velocities is of order h^2 for waves longer than the pieces. At a position
+//! inside a piece the relative error of the stress is up to r, because the stress is the force divided by the mean area of the piece.
 //!
-//! A staircase of an initial state has steps between the rows of its tables only, with the mean in each, and as many that none of them is
-//! larger than the same share r of the largest size of its quantity (of the larger of stress and Z v for both of these). Its mean distance
-//! from the tables is r/4 at the most; momentum and mean strain are those of the tables.
+//! The steps of the staircase of an initial state lie between the rows of its tables, and each step has the mean value of the table. Their number is
+//! chosen such that no step is larger than the same fraction r of the largest magnitude of its quantity (for stress and velocity: of the larger of
+//! stress and Z v). The mean deviation from the tables is at most r/4. Momentum and mean strain are those of the tables.
 
 use std::sync::Arc;
 
@@ -17,57 +17,59 @@ use super::{Method, Scene};
 use crate::bar::{Bar, InitialProfile, Joint, Origin, Segment, Taper};
 use crate::law::rupture::Site;
 
-/// Of a scene whose tapered segments were cut into pieces: what was asked for.
+/// Discretization of a scene whose tapered segments or initial states were divided into pieces, with the original scene.
 #[derive(Debug, Clone)]
 pub struct TaperDiscretization {
-    /// The scene with its tapers.
+    /// Original scene with its tapers and initial states.
     pub original: Scene,
-    /// For each piece, the segment of the scene that was asked for.
+    /// Segment of the original scene to which each piece belongs.
     pub of: Vec<usize>,
-    /// No step was to be larger: those on either side of a thick place may be equal, and leave none.
+    /// Upper bound of the fraction of a wave's force that a step reflects. Adjacent pieces can have equal areas, on the two sides of a thick section,
+    /// without a step.
     pub share: f64,
-    /// Largest part of a wave's force that a step between two pieces of a segment reflects.
+    /// Largest fraction of a wave's force that is actually reflected at a step between two pieces of a segment.
     pub reflects: f64,
-    /// Largest step of the staircase of an initial state, relative to the largest size of its quantity; 0 where there is none.
+    /// Largest step of the staircase of an initial state, relative to the largest magnitude of its quantity; 0 without a staircase.
     pub largest_step: f64,
-    /// Steps of that staircase.
+    /// Number of steps of the staircase of the initial state.
     pub steps: usize,
 }
 
-/// Most pieces of a segment: events of front tracking grow with their square.
+/// Largest number of pieces of a segment: the number of events of front tracking increases with its square.
 pub const MOST_PIECES: usize = 2000;
 
-/// Cells of a piece on a net, unless it is short (with 8 the joints take more than half of the time): finer nets follow the taper more
-/// closely, and errors that are estimated from coarser ones hold that of the pieces.
+/// Number of cells per piece on a net, unless the piece is short. (With 8 cells, the joints need more than half of the computing time.) Finer nets
+/// have smaller pieces and follow the taper more closely, so that error estimates from coarser nets include the error of the pieces.
 const CELLS_OF_A_PIECE: f64 = 32.0;
 
-/// What a step may reflect on a net; by front tracking, in parts of the front tolerance, and its bounds.
+/// Largest fraction reflected at a step: on a net; for front tracking, relative to the front tolerance, and its bounds.
 const ON_A_NET: f64 = 0.01;
 const PER_TOLERANCE: f64 = 10.0;
 const WITH_FRONTS: [f64; 2] = [0.002, 0.05];
 
 impl TaperDiscretization {
-    /// Some segment is tapered.
+    /// Returns whether any segment is tapered.
     pub fn has_tapers(&self) -> bool {
         self.original.bar.segments.iter().any(|segment| segment.taper.is_some())
     }
 }
 
 impl Scene {
-    /// The same scene with uniform pieces in the place of its tapered segments; none where the method needs no pieces.
+    /// Returns the scene with tapered segments, and for front tracking varying initial states, divided into uniform pieces; `None` if the method
+    /// needs no pieces.
     pub fn in_pieces(&self) -> Option<Self> {
         let share = share(&self.solve.method)?;
         let tapers = self.bar.segments.iter().any(|segment| segment.taper.is_some());
         (tapers || self.initial_state_needs_steps()).then(|| self.discretized_finer_than(share))
     }
 
-    /// Front tracking follows states that are constant between jumps.
+    /// Returns whether the initial state must be discretized: front tracking requires states that are constant between jumps.
     fn initial_state_needs_steps(&self) -> bool {
         let slopes = |segment: &Segment| segment.profile.as_ref().is_some_and(|profile| profile.has_slopes());
         self.solve.method.tracks_fronts() && self.bar.segments.iter().any(slopes)
     }
 
-    /// The same with at most this part of a wave reflected at each step, 0 < share < 1.
+    /// Returns the scene divided into pieces such that at most the fraction `share` of a wave is reflected at each step, 0 < share < 1.
     #[must_use]
     pub fn discretized_finer_than(&self, share: f64) -> Self {
         let mut scene = self.clone();
@@ -107,12 +109,12 @@ impl Scene {
         scene
     }
 
-    /// The segment of the scene that was asked for, of which this one is a piece.
+    /// Returns the segment of the original scene to which a segment belongs.
     pub fn original_segment(&self, segment: usize) -> usize {
         self.discretized.as_ref().map_or(segment, |cut| cut.of[segment])
     }
 
-    /// The joint or end of the scene that was asked for.
+    /// Returns the joint or end of the original scene.
     pub fn original_origin(&self, origin: Origin) -> Origin {
         match (&self.discretized, origin) {
             (Some(cut), Origin::Joint(k)) => Origin::Joint(cut.of[k]),
@@ -120,13 +122,13 @@ impl Scene {
         }
     }
 
-    /// The segments on the left of the joints of the original scene.
+    /// Returns the segments to the left of the joints of the original scene.
     pub fn joints(&self) -> Vec<usize> {
         let is_joint = |&k: &usize| self.original_segment(k) != self.original_segment(k + 1);
         (0..self.bar.segments.len() - 1).filter(is_joint).collect()
     }
 
-    /// The place in the scene that was asked for: a joint between two pieces is inside their segment.
+    /// Returns the site in the original scene: a joint between two pieces is inside their segment.
     pub fn original_site(&self, site: Site) -> Site {
         match (&self.discretized, site) {
             (Some(cut), Site::Joint(k)) if cut.of.get(k + 1) == Some(&cut.of[k]) => Site::Inside(cut.of[k]),
@@ -137,10 +139,10 @@ impl Scene {
     }
 }
 
-/// What a step may reflect; none for a method that follows the taper itself.
+/// Returns the largest fraction that a step may reflect; `None` for a method that resolves tapers directly.
 fn share(method: &Method) -> Option<f64> {
     match *method {
-        // The scheme muscl is refused one.
+        // Tapers are refused for the scheme muscl.
         Method::Leapfrog { .. } | Method::Muscl { .. } => None,
         Method::CharacteristicNet { .. } => Some(ON_A_NET),
         Method::FrontTracking { front_tolerance, .. } => {
@@ -149,7 +151,7 @@ fn share(method: &Method) -> Option<f64> {
     }
 }
 
-/// Pieces that a tapered segment needs by this method; 1 where it follows the taper, or there is none.
+/// Returns the number of pieces that a segment needs with this method; 1 for a uniform segment, or if the method resolves tapers directly.
 pub(super) fn pieces_needed(segment: &Segment, method: &Method) -> f64 {
     match (&segment.taper, share(method)) {
         (Some(taper), Some(share)) => needed(taper, segment.length, share),
@@ -158,9 +160,9 @@ pub(super) fn pieces_needed(segment: &Segment, method: &Method) -> f64 {
 }
 
 fn needed(taper: &Taper, length: f64, share: f64) -> f64 {
-    // Neighbouring means differ by a factor of at most e^(change/pieces), which reflects tanh of half its exponent.
+    // Adjacent mean areas differ by a factor of at most e^(change/pieces); the reflected fraction is the tanh of half this exponent.
     let steps = (taper.steepest() * length / (2.0 * share)).ceil().max(1.0);
-    // Pieces that each have both sides of a thick or thin place would all be alike.
+    // Pieces that extend over both sides of a thick or thin section would all have the same area, so every monotonic part has at least two pieces.
     let seen = |[part, grown]: [f64; 2]| if grown.abs() > share && part < length { 2.0 * length / part } else { 1.0 };
     taper.stretches().into_iter().map(seen).fold(steps, f64::max).ceil()
 }
@@ -169,7 +171,7 @@ fn pieces(scene: &Scene, segment: &Segment, share: f64) -> Vec<Segment> {
     let Some(taper) = &segment.taper else { return vec![segment.clone()] };
     let mut count = needed(taper, segment.length, share);
     if let Method::CharacteristicNet { cells } = scene.solve.method {
-        // A whole number of cells in each piece, as nearly as may be.
+        // Each piece has a whole number of cells, as nearly as possible.
         let own = cells as f64 * segment.length / segment.material.c0() / scene.bar.transit_time();
         count = count.max((own / CELLS_OF_A_PIECE).min(MOST_PIECES as f64));
         let in_a_piece = (own / count).floor().max(1.0);
@@ -190,8 +192,8 @@ fn pieces(scene: &Scene, segment: &Segment, share: f64) -> Vec<Segment> {
     (0..count).map(piece).collect()
 }
 
-/// Of stress and Z v (Pa), of plastic strain, and of the rise in temperature (K), over the bar; 1 where all are 0. A uniform motion is no
-/// part of v.
+/// Returns the largest magnitudes over the bar of stress and Z v (Pa), of plastic strain and of temperature rise (K); 1 if a quantity is zero
+/// everywhere. A uniform motion of the bar does not count in v.
 fn largest_sizes(bar: &Bar) -> [f64; 3] {
     let (mut largest, mut impedance) = ([0.0_f64; 3], 0.0_f64);
     let (mut slowest, mut fastest) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -213,7 +215,7 @@ fn largest_sizes(bar: &Bar) -> [f64; 3] {
     largest.map(|size| if size > 0.0 { size } else { 1.0 })
 }
 
-/// Steps of the staircases of the initial states of a bar by this method; 0 where it needs none.
+/// Returns the number of steps in the staircases of the initial states of a bar for this method; 0 if it needs none.
 pub(super) fn steps_needed(bar: &Bar, method: &Method) -> usize {
     let Some(share) = share(method).filter(|_| method.tracks_fronts()) else { return 0 };
     let largest = largest_sizes(bar);
@@ -224,8 +226,8 @@ pub(super) fn steps_needed(bar: &Bar, method: &Method) -> usize {
     bar.segments.iter().map(of).sum()
 }
 
-/// Where the steps of a segment's staircase are, m, ends included, and the largest of them, relative to the `largest` sizes in the bar. None
-/// is larger than `share`.
+/// Returns the positions of the steps of a segment's staircase, m, including both ends, and the largest step relative to the `largest` magnitudes in
+/// the bar. No step is larger than `share`, unless the number of steps is limited by [`MOST_PIECES`].
 fn borders(segment: &Segment, profile: &InitialProfile, largest: [f64; 3], share: f64) -> (Vec<f64>, f64) {
     let sizes = [segment.material.impedance() / largest[0], 1.0 / largest[0], 1.0 / largest[1], 1.0 / largest[2]];
     let length = segment.length;

@@ -1,4 +1,4 @@
-//! The effects of a scene beyond path-independent loading.
+//! Effects of a scene beyond path-independent loading.
 
 use serde::Serialize;
 
@@ -10,7 +10,7 @@ use crate::units::{Dimension, System, format};
 /// Effects beyond path-independent loading. The default is none.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Effects {
-    /// Hardening rule with elastic unloading; none: unloading follows the loading curve.
+    /// Hardening rule with elastic unloading; `None`: unloading follows the loading curve.
     pub hardening: Option<HardeningRule>,
     /// Rate-dependent plastic flow; requires a hardening rule.
     pub rate: Option<Rate>,
@@ -28,53 +28,53 @@ pub struct Effects {
     pub lateral_inertia: bool,
 }
 
-/// How the yield stress moves with plastic flow.
+/// Dependence of the yield stress on plastic flow.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HardeningRule {
     /// Isotropic hardening: tension and compression harden equally.
     Isotropic,
-    /// The elastic range keeps its size and moves: [`crate::law::Overlay`], or [`crate::law::Mixed`] with the fraction 1 along one
-    /// line of hardening, under a rate and under heat.
+    /// Kinematic hardening: the elastic range keeps its size and moves. [`crate::law::Overlay`]; with a single hardening line, rate dependence or
+    /// heating, [`crate::law::Mixed`] with the fraction 1.
     Kinematic,
     /// The elastic range moves by the given fraction (0 to 1) of the hardening at the accumulated plastic strain.
     Mixed(f64),
-    /// The back stress a has `da = C d(eps_p) - gamma a dp`: [`crate::law::ArmstrongFrederick`].
+    /// Armstrong-Frederick hardening: the back stress a satisfies `da = C d(eps_p) - gamma a dp`, see [`crate::law::ArmstrongFrederick`].
     #[serde(rename = "armstrong-frederick")]
     ArmstrongFrederick {
-        /// Pa, > 0.
+        /// Initial slope C of the back stress, Pa, > 0.
         #[serde(rename = "C")]
         c: f64,
-        /// > 0.
+        /// Rate of saturation gamma, > 0.
         gamma: f64,
     },
 }
 
-/// Adiabatic heating, see [`crate::material::Heating`]; the other constants are the materials' own.
+/// Adiabatic heating, see [`crate::material::Heating`]; the other constants are those of the materials.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Heat {
-    /// Fraction of the plastic work that turns into heat (Taylor and Quinney), 0 to 1; none: each material's own.
+    /// Fraction of the plastic work that is converted to heat (Taylor-Quinney coefficient), 0 to 1; `None` for that of each material.
     pub fraction: Option<f64>,
 }
 
-/// The fracture criterion, see [`crate::law::rupture`].
+/// Fracture criterion, see [`crate::law::rupture`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rupture {
     /// The criterion.
     pub cause: Cause,
-    /// Energy per volume (J/m^3) or tensile stress (Pa); for the critical strain none, each material has its own.
+    /// Energy per volume (J/m^3) or tensile stress (Pa); `None` for the critical strain, which depends on the material.
     pub threshold: Option<f64>,
-    /// Notch factor of each segment, >= 1.
+    /// Stress concentration factor of each segment, >= 1.
     pub notches: Vec<f64>,
-    /// Notch factor of the joint behind each segment, >= 1, on top of those of the segments.
+    /// Stress concentration factor of the joint to the right of each segment, >= 1, multiplied by those of the segments.
     pub joint_notches: Vec<f64>,
 }
 
 impl Effects {
-    /// The keys of the scene language, in the order in which effects are listed.
+    /// Keys of the scene language, in the order in which effects are listed.
     pub const KEYS: [&'static str; 6] = ["hardening", "rate", "heat", "rupture", "damping", "lateral-inertia"];
 
-    /// One effect as it is written to files and summaries, "hardening: isotropic"; none where it is off. `key` is one of
+    /// Returns an effect as it is written to files and summaries, for example "hardening: isotropic"; `None` if it is disabled. `key` is one of
     /// [`Effects::KEYS`].
     pub fn named(&self, key: &str) -> Option<String> {
         match key {
@@ -91,14 +91,15 @@ impl Effects {
         }
     }
 
-    /// All effects that are on, as [`Effects::named`] has them.
+    /// Returns all enabled effects, as [`Effects::named`] writes them.
     pub fn names(&self) -> Vec<String> {
         Self::KEYS.iter().filter_map(|key| self.named(key)).collect()
     }
 }
 
 impl HardeningRule {
-    /// Part of the hardening along the curve that moves the elastic range, 0 to 1; 0 where that is not a matter of the curve.
+    /// Returns the fraction of the hardening along the curve that moves the elastic range, 0 to 1; 0 for Armstrong-Frederick hardening, whose back
+    /// stress does not follow the curve.
     pub fn kinematic_fraction(self) -> f64 {
         match self {
             Self::Isotropic | Self::ArmstrongFrederick { .. } => 0.0,
@@ -107,7 +108,7 @@ impl HardeningRule {
         }
     }
 
-    /// The elastic range moves.
+    /// Returns whether the elastic range moves.
     pub fn moves(self) -> bool {
         self != Self::Isotropic
     }

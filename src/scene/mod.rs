@@ -1,4 +1,4 @@
-//! A scene: the raw keys (`raw`), their conversion (`check`), and the result as plain data in SI (here).
+//! Scenes: the raw keys (`raw`), their conversion (`check`), and the result as plain data in SI units (here).
 
 mod auto;
 mod builder;
@@ -43,25 +43,25 @@ use overrides::Overrides;
 pub use raw::{MOST_EVENTS, RawScene};
 pub use value::IntoValue;
 
-/// The problem of a scene file.
+/// Problem described by a scene file.
 #[derive(Debug, Clone)]
 pub enum Problem {
     /// Waves in a bar.
     Bar(Box<Scene>),
-    /// Another impact: the energy method, spheres, a plate, a beam.
+    /// Another kind of impact: the energy method, spheres, a plate or a beam.
     Impact(Box<ImpactScene>),
 }
 
 impl Problem {
-    /// Reads and checks a scene file of any kind, as [`Scene::read`] does one with a bar.
+    /// Reads and checks a scene file of any kind, as [`Scene::read`] does for a bar.
     ///
     /// # Errors
-    /// Input errors only: the first thing that is wrong, with its place.
+    /// Only input errors: the first error in the scene, with its position.
     pub fn read(path: &Path, changes: &[String]) -> Result<Self> {
         Self::of_document(&Document::read_scene(path)?, path, changes)
     }
 
-    /// Reads and checks a scene of any kind from text in memory, as [`Scene::parse`] does one with a bar.
+    /// Reads and checks a scene of any kind from text in memory, as [`Scene::parse`] does for a bar.
     ///
     /// # Errors
     /// As for [`Problem::read`].
@@ -73,7 +73,7 @@ impl Problem {
         Self::of_source(source, None, impacts::kind(&document))
     }
 
-    /// The same of a file that has been read.
+    /// Reads and checks a scene of any kind from a document that has been read from a file.
     ///
     /// # Errors
     /// As for [`Problem::read`].
@@ -97,34 +97,34 @@ impl Problem {
     }
 }
 
-/// A scene file that is read many times, with other overrides each time: what does not depend on these is done once.
+/// Scene file that is read many times with different overrides; everything that does not depend on them is done only once.
 #[derive(Debug, Clone)]
 pub struct Template {
     document: Document,
     editable: DocumentMut,
     path: PathBuf,
     base: PathBuf,
-    /// Not a bar.
+    /// Kind of impact; `None` for a bar.
     impact: Option<&'static Kind>,
 }
 
 impl Template {
-    /// Of a file that has been read.
+    /// Creates a template from a document that has been read from a file.
     ///
     /// # Errors
-    /// An input error where the text is no TOML.
+    /// An input error if the text is not valid TOML.
     pub fn new(document: Document, path: PathBuf) -> Result<Self> {
         let (editable, base, impact) = (overrides::editable(&document)?, folder(&path), impacts::kind(&document));
         Ok(Self { document, editable, path, base, impact })
     }
 
-    /// The scene's title; the file's stem where it gives none.
+    /// Returns the scene's title; the stem of the file if the scene has none.
     pub fn title(&self) -> String {
         let given = self.editable.get("title").and_then(toml_edit::Item::as_str).map(str::to_owned);
         given.or_else(|| Some(self.path.file_stem()?.to_string_lossy().into_owned())).unwrap_or_default()
     }
 
-    /// The scene with overrides, as [`Problem::of_document`] gives it.
+    /// Returns the scene with overrides, as [`Problem::of_document`] does.
     ///
     /// # Errors
     /// As for [`Problem::read`].
@@ -135,25 +135,25 @@ impl Template {
         Problem::of_source(source, Some(&self.path), self.impact)
     }
 
-    /// The dimensions of the numbers at these dotted keys, as far as the scene with overrides reads them.
+    /// Returns the dimensions of the numbers at these dotted keys; `None` for a key that the scene with these overrides does not read as a number.
     pub(crate) fn dimensions(&self, overrides: &[String], keys: &[&str]) -> Vec<Option<Dimension>> {
         let none = || vec![None; keys.len()];
         let Ok(typed) = Overrides::new(overrides) else { return none() };
         let Ok(edited) = typed.edit(&self.document, self.editable.clone()) else { return none() };
         let source = Source { document: &self.document, edited: &edited, base: &self.base, typed: &typed };
-        // What is wrong with the scene is found again by who runs it.
+        // Errors of the scene are ignored here because running it reports them.
         dimensions::of_keys(&edited, keys, || Problem::of_source(source, Some(&self.path), self.impact).is_ok())
     }
 }
 
-/// A text with its overrides, on its way to a scene.
+/// Text with its overrides, before it is converted to a scene.
 #[derive(Debug, Clone, Copy)]
 struct Source<'a> {
-    /// As read.
+    /// Text as it was read.
     document: &'a Document,
-    /// With the overrides in their places.
+    /// Text with the overrides applied.
     edited: &'a Document,
-    /// The folder that paths are relative to.
+    /// Folder to which paths are relative.
     base: &'a Path,
     typed: &'a Overrides,
 }
@@ -162,8 +162,8 @@ fn folder(path: &Path) -> PathBuf {
     path.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
 
-/// A checked scene: what it holds ([`SceneParts`]) can be read, and is changed by its keys alone ([`Scene::with`]), so that a run can rely on
-/// it and the text in the result file is that of the run.
+/// Checked scene. Its contents ([`SceneParts`]) can be read, and can be changed only through its keys ([`Scene::with`]). A run can therefore rely on
+/// the checks, and the text in the result file is that of the run.
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub(crate) parts: SceneParts,
@@ -177,18 +177,18 @@ impl Deref for Scene {
     }
 }
 
-/// What a checked scene holds. Every default is filled in.
+/// Contents of a checked scene, with all defaults filled in.
 #[derive(Debug, Clone)]
 pub struct SceneParts {
     /// Title; by default the stem of the file.
     pub title: String,
-    /// The file's stem: names the default output.
+    /// Stem of the file, used for the name of the default output.
     pub name: String,
-    /// The file, where it came from one.
+    /// Path of the file, if the scene was read from one.
     pub path: Option<PathBuf>,
-    /// The scene's exact text, as read.
+    /// Exact text of the scene, as read.
     pub text: String,
-    /// Changes of keys (on the command line `--set`), as typed.
+    /// Changes of keys (`--set` on the command line), as typed.
     pub overrides: Vec<String>,
     /// The bar.
     pub bar: Bar,
@@ -196,38 +196,38 @@ pub struct SceneParts {
     pub left: EndCondition,
     /// Right end.
     pub right: EndCondition,
-    /// Effects beyond the curve itself.
+    /// Effects beyond the stress-strain curve.
     pub effects: Effects,
-    /// `effects = "auto"`: `Self::effects` is what was chosen so far.
+    /// Selections of `effects = "auto"`, if the scene uses it; `Self::effects` are the effects selected so far.
     pub auto: Option<Auto>,
-    /// The folder that paths in the scene are relative to.
+    /// Folder to which paths in the scene are relative.
     pub base: PathBuf,
-    /// The materials and histories that were read from files.
+    /// Materials and histories that were read from files.
     pub files: NamedFiles,
-    /// How to solve.
+    /// Numerical method and end time.
     pub solve: Solve,
-    /// What to record.
+    /// Output that is recorded.
     pub record: Record,
-    /// The original of a scene whose tapered segments were divided into uniform pieces; none for a scene as read.
+    /// Original scene and its discretization, if tapered segments or initial states were divided into uniform pieces; `None` for a scene as read.
     pub discretized: Option<Box<TaperDiscretization>>,
-    /// Of a bar in torsion: what its surface quantities stand for. None for an axial bar.
+    /// Meaning of the surface quantities of a bar in torsion; `None` for an axial bar.
     pub torsion: Option<Torsion>,
 }
 
-/// A bar in torsion, in terms of the surface. Stress is T R/J, T being the torque in the section; strain R dtheta/dx; velocity
-/// R omega; the area of a segment J/R^2; its material's curve that of the section, see [`crate::material::TubeSection`].
+/// Bar in torsion, described by quantities of its surface. The stress is T R/J, where T is the torque in the section; the strain is R dtheta/dx; the
+/// velocity is R omega; the area of a segment is J/R^2. The material has the curve of the section, see [`crate::material::TubeSection`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Torsion {
-    /// R, m: the outer radius; of thin tubes the mean one.
+    /// Radius R, m: the outer radius; for thin tubes the mean radius.
     pub radius: f64,
-    /// J of each segment, m^4.
+    /// Polar second moment of area J of each segment, m^4.
     pub polar: Vec<f64>,
-    /// Arms of the levers at the left and the right end that balls strike, over R; 1 where there is none.
+    /// Arm of the lever at the left and the right end that a ball strikes, divided by R; 1 without a lever.
     pub levers: [f64; 2],
 }
 
 impl Torsion {
-    /// Torque over the stress at the surface of each segment, m^3.
+    /// Returns the ratio of the torque to the stress at the surface of each segment, m^3.
     pub fn torque_per_stress(&self) -> impl Iterator<Item = f64> {
         self.polar.iter().map(|polar| polar / self.radius)
     }
@@ -242,32 +242,33 @@ pub struct Solve {
     pub method: Method,
     /// Allowed error, instead of a method.
     pub tolerance: Option<Tolerance>,
-    /// The run estimates its error, with further runs if needed.
+    /// Whether the run estimates its error, with further runs if needed.
     pub estimate_error: bool,
     /// Relative change of the stress above which a neglected effect is significant, 0 < . < 1.
     pub audit_tolerance: f64,
 }
 
-/// An error in place of a method.
+/// Allowed error, from which the method is selected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tolerance {
-    /// Relative L1 of stress over the bar at the end time, > 0.
+    /// Largest relative error, > 0, of the stress over the bar and time, at the ends and gauges, of the residual plastic strain and of the peak
+    /// force.
     pub value: f64,
-    /// The methods that can do the scene, with default settings.
+    /// Methods that support the scene, with default settings.
     pub methods: Vec<Method>,
 }
 
-/// A method of the scene language, and the scheme where there is a choice.
+/// Method of the scene language, with its scheme if there is a choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MethodChoice {
     /// "moc" or "fd".
     pub method: &'static str,
-    /// "leapfrog", ...
+    /// Scheme, such as "leapfrog"; `None` for a method without a choice of schemes.
     pub scheme: Option<&'static str>,
 }
 
 impl MethodChoice {
-    /// All of them.
+    /// All methods and schemes from which a tolerance selects.
     pub const ALL: [Self; 3] = [
         Self { method: "moc", scheme: None },
         Self { method: "fd", scheme: Some("muscl") },
@@ -280,34 +281,34 @@ impl Solve {
     pub const AUDIT_TOLERANCE: f64 = 0.01;
 }
 
-/// A method with its settings.
+/// Method with its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Method {
     /// Finite differences on a staggered grid.
     Leapfrog {
-        /// Cells over the whole bar, >= 2, shared out so that waves take equal time across each.
+        /// Cells over the whole bar, >= 2, distributed so that the elastic waves take equal times to cross each cell.
         cells: usize,
         /// Courant number of the fastest wave, 0 < cfl <= 1.
         cfl: f64,
     },
     /// Conservative finite differences with the exact Riemann flux.
     Muscl {
-        /// Cells over the whole bar, >= 2, shared out so that waves take equal time across each.
+        /// Cells over the whole bar, >= 2, distributed so that the elastic waves take equal times to cross each cell.
         cells: usize,
         /// Courant number of the fastest wave, 0 < cfl <= 1.
         cfl: f64,
     },
-    /// The method of characteristics: fronts followed one by one, no grid.
+    /// Method of characteristics without a grid: fronts are tracked individually.
     FrontTracking {
-        /// Smallest stress jump that is tracked as a front of its own, relative to the largest stress that the scene's data can
-        /// reach, 0 <= and < 1; 0 tracks all.
+        /// Smallest stress jump that is tracked as a separate front, relative to the largest stress possible in the scene; 0 <= front_tolerance < 1.
+        /// 0 tracks all jumps.
         front_tolerance: f64,
-        /// Most events that the run may take, >= 1.
+        /// Largest number of events of the run, >= 1.
         event_budget: u64,
     },
-    /// The method of characteristics for rate-dependent bars: a net of straight characteristics.
+    /// Method of characteristics for rate-dependent bars: a net of straight characteristics.
     CharacteristicNet {
-        /// Cells over the whole bar, >= 2, each crossed by the elastic wave in one step.
+        /// Cells over the whole bar, >= 2; the elastic wave crosses one cell per step.
         cells: usize,
     },
 }
@@ -324,12 +325,12 @@ impl From<Method> for SolvedBy {
 }
 
 impl Method {
-    /// True where fronts are followed one by one: no cells, but paths.
+    /// Returns true for front tracking, which has no cells but records paths of fronts.
     pub fn tracks_fronts(&self) -> bool {
         matches!(self, Self::FrontTracking { .. })
     }
 
-    /// Cells over the whole bar; none where there are no cells.
+    /// Returns the number of cells over the whole bar; `None` for front tracking.
     pub fn cells(&self) -> Option<usize> {
         match *self {
             Self::Leapfrog { cells, .. } | Self::Muscl { cells, .. } | Self::CharacteristicNet { cells } => Some(cells),
@@ -337,7 +338,7 @@ impl Method {
         }
     }
 
-    /// The method with another number of cells; unchanged if it has none.
+    /// Returns the method with another number of cells; unchanged if it has none.
     #[must_use]
     pub fn with_cells(self, cells: usize) -> Self {
         match self {
@@ -348,7 +349,7 @@ impl Method {
         }
     }
 
-    /// The method with another front tolerance; unchanged if it has none.
+    /// Returns the method with another front tolerance; unchanged if it has none.
     #[must_use]
     pub fn with_front_tolerance(self, front_tolerance: f64) -> Self {
         match self {
@@ -357,7 +358,7 @@ impl Method {
         }
     }
 
-    /// The words of the scene language for the method and its scheme.
+    /// Returns the names of the method and its scheme in the scene language.
     pub fn names(&self) -> [&'static str; 2] {
         match self {
             Self::Leapfrog { .. } => ["fd", "leapfrog"],
@@ -368,18 +369,18 @@ impl Method {
     }
 }
 
-/// What is recorded.
+/// Output that is recorded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// Frame times, s, increasing, within 0..=until.
+    /// Times of the frames, s, increasing, within 0..=until.
     pub times: Vec<f64>,
-    /// x samples of the fields; none: the solver's own cells (always some where it has none).
+    /// Number of samples of the fields over x; `None` for the cells of the solver (never `None` for front tracking).
     pub cells: Option<usize>,
-    /// The straight pieces of all fronts are recorded (front tracking only).
+    /// Whether the straight segments of all fronts are recorded (front tracking only).
     pub paths: bool,
-    /// Fields, no repeats.
+    /// Recorded fields, without repetitions.
     pub fields: Vec<Field>,
-    /// Gauges: name and place, m from the left end, in the scene's order.
+    /// Names and positions of the gauges, m from the left end, in the order of the scene.
     pub gauges: Vec<(String, f64)>,
     /// Floating-point format of the fields in the file.
     pub precision: Precision,
@@ -388,37 +389,35 @@ pub struct Record {
 }
 
 impl Record {
-    /// Places of the gauges, m from the left end.
+    /// Returns the positions of the gauges, m from the left end.
     pub fn gauge_places(&self) -> Vec<f64> {
         self.gauges.iter().map(|gauge| gauge.1).collect()
     }
 }
 
 impl Scene {
-    /// Reads and checks a scene file. `changes` are `KEY=VALUE` texts, applied in order before anything is
-    /// checked: a dotted key ("bar.segment.0.length"), and a value that is TOML or else text ("-40 m/s"); an empty
-    /// value takes the key out.
+    /// Reads and checks a scene file. `changes` are texts `KEY=VALUE`, applied in order before anything is checked. KEY is a dotted key
+    /// ("bar.segment.0.length"). VALUE is TOML or, if it is not valid TOML, a string ("-40 m/s"); an empty value removes the key.
     ///
     /// # Errors
-    /// Input errors only: the first thing that is wrong, with its place in the file or, of a change, in [`CHANGES`]. A scene without a bar
-    /// is one for [`Problem::read`].
+    /// Only input errors: the first error in the scene, with its position in the file or, for a change, in [`CHANGES`]. A scene without a bar has to
+    /// be read by [`Problem::read`].
     pub fn read(path: &Path, changes: &[String]) -> Result<Self> {
         Ok(Self::from_document(&Document::read_scene(path)?, &folder(path), changes)?.at(path))
     }
 
-    /// The same, read from this file.
+    /// Sets the path of the file from which the scene was read.
     fn at(mut self, path: &Path) -> Self {
         self.parts.path = Some(path.to_owned());
         self
     }
 
-    /// A scene put together key by key.
+    /// Returns a builder for a scene that is set key by key.
     pub fn builder() -> SceneBuilder {
         SceneBuilder::default()
     }
 
-    /// Checks a scene from text in memory. `name` stands for the file in messages; paths in the scene are
-    /// relative to `base_dir`.
+    /// Checks a scene from text in memory. `name` replaces the name of the file in messages; paths in the scene are relative to `base_dir`.
     ///
     /// # Errors
     /// As for [`Scene::read`].
@@ -449,15 +448,15 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Everything that the run uses, every default filled in, SI, the materials' tables included: for the result
-    /// file's `scene_resolved`.
+    /// Returns all input values of the run in SI units, with all defaults filled in and including the tables of the materials, for `scene_resolved`
+    /// of the result file.
     pub fn resolved_json(&self) -> serde_json::Value {
         resolved::json(self)
     }
 }
 
-/// The methods that can do a scene with a tolerance: each is put into its text in the place of that, and checked with all
-/// else.
+/// Finds the methods that support a scene with a tolerance: each method is inserted into the text in place of the tolerance, and the whole scene is
+/// checked.
 fn find_methods(scene: &mut Scene, document: &Document, base: &Path) {
     let Some(tolerance) = &mut scene.parts.solve.tolerance else { return };
     let with = |choice: MethodChoice| {
@@ -471,7 +470,7 @@ fn find_methods(scene: &mut Scene, document: &Document, base: &Path) {
 
 #[cfg(test)]
 impl Scene {
-    /// A copper bar whose end is pulled, for tests of what is done with scenes.
+    /// Returns a copper bar pulled at one end, for tests of functions that use scenes.
     pub(crate) fn pulled() -> Self {
         let text = "[bar]\nlength = \"1 m\"\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = \"-30 m/s\"\n\
                     [right]\nkind = \"free\"\n[effects]\n[solve]\nuntil = \"1 ms\"\n";

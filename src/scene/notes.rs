@@ -8,31 +8,32 @@ use crate::law::Table;
 use crate::law::rate::Overstress;
 use crate::units::{self, Dimension, System};
 
-/// A grid is noted where its step is below this part of what the other segments could take.
+/// Ratio of the time step to the one that the other segments allow below which a grid is reported.
 const SMALL_STEP: f64 = 0.5;
-/// A ball is noted whose contact lasts fewer time steps. On an elastic bar its peak force is 44, 15 and 3.5 % too small with 2.6, 5 and 13 of them.
+/// Number of time steps below which a contact of a ball is reported. On an elastic bar the peak force is 44 %, 15 % and 3.5 % too small with 2.6, 5
+/// and 13 steps.
 const STEPS_OF_CONTACT: f64 = 25.0;
-/// An end time is noted that comes after fewer time steps.
+/// Number of time steps below which an end time is reported.
 const FEW_STEPS: f64 = 10.0;
-/// An end time is noted after which elastic waves have crossed the bar more often.
+/// Number of transits of elastic waves through the bar above which an end time is reported.
 const MANY_TRANSITS: f64 = 1000.0;
-/// A history is noted whose first change comes later than this many times the end of the run.
+/// Ratio of the time of the first change to the end time above which a history is reported.
 const LATE: f64 = 10.0;
 
 impl Scene {
-    /// Something in it can send out a jump of stress.
+    /// Returns whether anything in the scene can emit a stress jump.
     pub fn may_have_sharp_waves(&self) -> bool {
         let ends = [&self.left, &self.right].into_iter().any(EndCondition::is_sudden);
         ends || !self.bar.starts_at_rest() || self.effects.rupture.is_some()
     }
 
-    /// Each end with its name, its segment, and on which side of that it is.
+    /// Returns each end with its name, its segment, and the side of the segment on which it lies.
     fn ends_and_segments(&self) -> [(&'static str, &EndCondition, &Segment, usize); 2] {
         let segments = &self.bar.segments;
         [("left", &self.left, &segments[0], 0), ("right", &self.right, &segments[segments.len() - 1], 1)]
     }
 
-    /// A sentence each; of a scene in pieces, those of the scene that was asked for.
+    /// Returns the notes, one sentence each; for a discretized scene those of the original scene.
     pub fn notes(&self) -> Vec<String> {
         if let Some(cut) = &self.discretized {
             return cut.original.notes();
@@ -49,7 +50,7 @@ impl Scene {
         bar.chain(self.misses()).chain(self.late_histories()).chain(materials).chain(deprecated).collect()
     }
 
-    /// Beside segments that feel the strain rate, those whose material states no constants for it.
+    /// Notes segments whose material has no rate constants, if those of the materials are used.
     fn rate_independent_segments(&self) -> Option<String> {
         let rate @ Rate::Material = self.effects.rate? else { return None };
         let segments = self.bar.segments.iter().enumerate();
@@ -63,7 +64,7 @@ impl Scene {
         })
     }
 
-    /// Leapfrog is exact for elastic waves at Courant number 1 only.
+    /// Leapfrog is exact for elastic waves only at Courant number 1.
     fn sharp_waves_that_disperse(&self) -> Option<String> {
         let Method::Leapfrog { cfl, .. } = self.solve.method else { return None };
         (cfl < 1.0 && self.may_have_sharp_waves()).then(|| {
@@ -74,7 +75,7 @@ impl Scene {
         })
     }
 
-    /// A critical velocity is stated, but the bar is not in the state to which it belongs.
+    /// Notes that the critical velocity is not that of the initial state of the bar.
     fn critical_velocity_of_another_state(&self) -> Option<String> {
         let bar = self.bar.on_warm_curves();
         let changed = |segment: &Segment| {
@@ -85,7 +86,7 @@ impl Scene {
             .then(|| format!("the critical velocity is that of a bar without initial stress and plastic strain{warm}"))
     }
 
-    /// Curves of several lines whose back stress follows the accumulated plastic strain, for more than half of their hardening.
+    /// Notes curves with several hardening lines whose back stress depends on the accumulated plastic strain, for more than half of their hardening.
     fn hardening_that_gives_back(&self) -> Option<String> {
         let overlaid = self.effects.rate.is_none() && self.effects.heat.is_none();
         match self.effects.hardening? {
@@ -108,7 +109,7 @@ impl Scene {
         ))
     }
 
-    /// Strikers, balls, walls and contact joints whose two sides move apart at the start.
+    /// Notes strikers, balls, walls and contact joints whose two sides move apart at the start.
     fn misses(&self) -> Vec<String> {
         let segments = &self.bar.segments;
         let speeds = |k: usize| segments[k].end_velocities();
@@ -141,7 +142,8 @@ impl Scene {
         at_end.chain(at_joint).map(|note| format!("{note}: {rule}")).collect()
     }
 
-    /// A velocity at an end in terms of its body: in torsion, where it is that of the surface, a ball has that of the lever that it strikes.
+    /// Returns a velocity at an end in terms of its body, as text. In torsion it is that of the surface; the velocity of a ball is that at the lever
+    /// that it strikes.
     fn velocity_of_body(&self, velocity: f64, end: &EndCondition, side: &str) -> String {
         let shown = |value, dimension| units::format(value, dimension, System::Si);
         match (&self.torsion, end) {
@@ -153,7 +155,7 @@ impl Scene {
         }
     }
 
-    /// Balls whose contact lasts few time steps: their force is too small on a grid, or too large where the bar yields.
+    /// Notes balls whose contact lasts only a few time steps: on a grid their force is too small, or too large if the bar yields.
     fn short_contacts(&self) -> Vec<String> {
         let Some(cells) = self.solve.method.cells() else { return Vec::new() };
         let step = self.bar.transit_time() / cells as f64;
@@ -174,7 +176,7 @@ impl Scene {
         self.ends_and_segments().into_iter().filter_map(note).collect()
     }
 
-    /// Runs on a grid end with a whole time step.
+    /// Notes end times after only a few time steps; runs on a grid end with a whole step.
     fn few_steps(&self) -> Option<String> {
         let per_cell = match self.solve.method {
             Method::Leapfrog { cfl, .. } | Method::Muscl { cfl, .. } => 1.0 / cfl,
@@ -191,7 +193,7 @@ impl Scene {
         })
     }
 
-    /// Long runs, mostly end times without their unit.
+    /// Notes long runs, which mostly result from end times without a unit.
     fn many_transits(&self) -> Option<String> {
         let transits = self.solve.until / self.bar.transit_time();
         (transits > MANY_TRANSITS).then(|| {
@@ -204,7 +206,7 @@ impl Scene {
         })
     }
 
-    /// A velocity that jumps strains the bar beside it at once, which dampers resist without bound.
+    /// Notes ends whose velocity jumps with internal damping: the strain rate next to the end is then unbounded, and so is the damping force.
     fn jumps_against_dampers(&self) -> Option<String> {
         self.effects.damping.filter(|damping| damping.internal > 0.0)?;
         let jumps = |(_, end, at, k): &(&str, &EndCondition, &Segment, usize)| {
@@ -229,7 +231,7 @@ impl Scene {
         ))
     }
 
-    /// Histories that have hardly begun when the run ends, mostly times without their unit.
+    /// Notes histories that have hardly started when the run ends, which mostly result from times without a unit.
     fn late_histories(&self) -> Option<String> {
         let until = self.solve.until;
         [("left", &self.left), ("right", &self.right)].into_iter().find_map(|(side, end)| {
@@ -246,7 +248,7 @@ impl Scene {
         })
     }
 
-    /// A segment too short for a cell of the others' transit time is one cell, and its step holds for the whole bar.
+    /// Notes a segment that is shorter than a cell of the other segments: it is a single cell, whose time step limits that of the whole bar.
     fn short_segment(&self) -> Option<String> {
         let (Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl }) = self.solve.method else { return None };
         let (bar, transit) = (&self.bar, self.bar.transit_time());

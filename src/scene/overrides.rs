@@ -1,14 +1,15 @@
-//! Changes of keys, `KEY=VALUE` (on the command line `--set`): edits the text of the scene before it is read, so that all checks of the file apply.
+//! Changes of keys, `KEY=VALUE` (`--set` on the command line): the text of the scene is edited before it is read, so that all checks of the file
+//! apply.
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Value};
 
 use crate::error::{Error, InputError, Place, Result};
 use crate::input::{DEPRECATED_KEYS, Document};
 
-/// The place of errors in the texts that change keys, `KEY=VALUE`, and the key of those that are none.
+/// File name in the position of an error in a change `KEY=VALUE`, and key of an error for a text that is not of this form.
 pub const CHANGES: &str = "changes";
 
-/// One override, split.
+/// Override, split into key and value.
 #[derive(Debug, Clone)]
 struct Override {
     typed: String,
@@ -16,27 +17,27 @@ struct Override {
     value: String,
 }
 
-/// The overrides of one reading.
+/// Overrides of a scene.
 #[derive(Debug, Clone)]
 pub(super) struct Overrides(Vec<Override>);
 
 impl Overrides {
-    /// Splits "left.value=-40 m/s" at its first "=".
+    /// Splits texts such as "left.value=-40 m/s" at the first "=".
     pub(super) fn new(typed: &[String]) -> Result<Self> {
         typed.iter().map(|t| split(t)).collect::<Result<_>>().map(Self)
     }
 
-    /// As they were typed.
+    /// Returns the overrides as they were typed.
     pub(super) fn texts(&self) -> Vec<String> {
         self.0.iter().map(|one| one.typed.clone()).collect()
     }
 
-    /// The document with every override in its place, in order. An empty VALUE takes the key out.
+    /// Returns the document with all overrides applied in order. An empty VALUE removes the key.
     pub(super) fn apply(&self, document: &Document) -> Result<Document> {
         if self.0.is_empty() { Ok(document.clone()) } else { self.edit(document, editable(document)?) }
     }
 
-    /// The same of a document that an editor has read.
+    /// Returns the document with all overrides applied to `edited`, its parsed text.
     pub(super) fn edit(&self, document: &Document, mut edited: DocumentMut) -> Result<Document> {
         for one in &self.0 {
             one.put(edited.as_item_mut()).map_err(|message| one.error(message))?;
@@ -44,7 +45,7 @@ impl Overrides {
         Ok(Document::new(document.file.clone(), edited.to_string()))
     }
 
-    /// The dotted keys that are set, without the indices of lists.
+    /// Returns the dotted keys that are set, without the indices of lists.
     pub(super) fn keys(&self) -> Vec<String> {
         let named = |o: &Override| {
             let parts: Vec<&str> =
@@ -54,13 +55,13 @@ impl Overrides {
         self.0.iter().map(named).collect()
     }
 
-    /// Points an error of the edited text at what the user can see: the override, or the same key in the file.
+    /// Moves the position of an error in the edited text to what the user can see: the override, or the same key in the file.
     pub(super) fn explain(&self, error: Error, original: &Document) -> Error {
         let Error::Input(error) = error else { return error };
         if self.0.is_empty() || error.place.as_ref().is_none_or(|p| p.file != original.file) {
             return error.into();
         }
-        // The last one wins, as in the text. A table that the file lacks was made by the override of a key in it.
+        // The last override takes precedence, as in the text. A table that the file does not contain was created by the override of a key in it.
         let is_new = original.span_of(&error.key).is_none();
         if let Some(one) = self.0.iter().rev().find(|o| o.concerns(&error.key) || is_new && o.is_inside(&error.key)) {
             return one.place(error).into();
@@ -72,9 +73,9 @@ impl Overrides {
     }
 }
 
-/// The document as an editor reads it.
+/// Parses the document so that it can be edited.
 pub(super) fn editable(document: &Document) -> Result<DocumentMut> {
-    // The reader's own complaint about a broken file is better than an editor's.
+    // The error of the reader for an invalid file is better than that of the editor.
     document.parse::<toml::Table>()?;
     document.text.parse().map_err(|e: toml_edit::TomlError| InputError::new(e.message()).into())
 }
@@ -95,7 +96,7 @@ fn split(typed: &str) -> Result<Override> {
 }
 
 impl Override {
-    /// TOML where it reads as such, otherwise text: a shell takes quotes away.
+    /// Returns the value as TOML if it is valid, otherwise as a string: a shell removes quotes.
     fn parsed(&self) -> Value {
         self.value.parse().unwrap_or_else(|_| Value::from(self.value.as_str()))
     }
@@ -105,7 +106,7 @@ impl Override {
         let (mut item, mut path) = (root, String::new());
         for part in parents {
             let part = name_in_file(item, &path, part);
-            // Stepping into a table that is not there would make it.
+            // A missing table is not entered, because this would create it.
             if self.value.is_empty() && item.as_table_like().is_some_and(|table| !table.contains_key(part)) {
                 return Ok(());
             }
@@ -122,18 +123,18 @@ impl Override {
         Ok(())
     }
 
-    /// Whether a key of an error is the one set here, or lies inside it, or around a missing part of it.
+    /// Returns whether the key of an error is the one that is set here, or lies inside it.
     fn concerns(&self, key: &str) -> bool {
         let own = self.key.join(".");
         key == own || key.strip_prefix(&own).is_some_and(|rest| rest.starts_with('.'))
     }
 
-    /// Whether a key of an error is that of a table around the one set here.
+    /// Returns whether the key of an error is that of a table around the one that is set here.
     fn is_inside(&self, key: &str) -> bool {
         self.key.join(".").strip_prefix(key).is_some_and(|rest| rest.starts_with('.'))
     }
 
-    /// Marks the value, or the part of the key that an error is about.
+    /// Moves the position of an error to the value, or to the part of the key that caused it.
     fn place(&self, error: InputError) -> InputError {
         let start = self.typed.find('=').map_or(0, |i| i + 1);
         let part = error.key.rsplit('.').next().unwrap_or_default();
@@ -152,7 +153,7 @@ impl Override {
     }
 }
 
-/// The name under which a table of the file has the key `part`, if only the deprecated or only the present one of its names is there.
+/// Returns the name under which a table of the file contains the key `part`, if it has either only the deprecated or only the present name.
 fn name_in_file<'a>(item: &Item, path: &str, part: &'a str) -> &'a str {
     let has = |name: &str| item.as_table_like().is_some_and(|table| table.contains_key(name));
     let names = DEPRECATED_KEYS.iter().filter(|(table, ..)| *table == path);
@@ -160,7 +161,7 @@ fn name_in_file<'a>(item: &Item, path: &str, part: &'a str) -> &'a str {
     if has(part) { part } else { other.find(|(from, to)| *from == part && has(to)).map_or(part, |(_, to)| to) }
 }
 
-/// The item under one part of a key; what is missing is made, as an inline table.
+/// Returns the item at one part of a key; a missing item is created as an inline table.
 fn step<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut Item, String> {
     match item {
         Item::ArrayOfTables(_) | Item::Value(Value::Array(_)) => step_index(item, part),
@@ -185,14 +186,14 @@ fn step_index<'a>(item: &'a mut Item, part: &str) -> std::result::Result<&'a mut
     Ok(&mut item[index])
 }
 
-/// Takes a key out; one that is not there is out already. Items of lists are counted: there has to be one of that number.
+/// Removes a key; a missing key is not an error. For items of lists the index must exist.
 fn remove(item: &mut Item, part: &str) -> std::result::Result<(), String> {
     if let Item::ArrayOfTables(tables) = item {
         let count = tables.len();
         let missing = || format!("there is no item `{part}`: the list has {count}, counted from 0");
         return if remove_table(tables, part) { Ok(()) } else { Err(missing()) };
     }
-    // One that is not there is out already.
+    // A missing key is not an error.
     let _ = item.as_table_like_mut().and_then(|table| table.remove(part));
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The checked scene as JSON, SI, with every default filled in.
+//! Checked scene as JSON in SI units, with all defaults filled in.
 
 use serde_json::{Map, Value, json};
 
@@ -26,7 +26,7 @@ pub(super) fn json(scene: &Scene) -> Value {
         value["auto"] = json!(auto.choices);
     }
     if let Some(torsion) = &scene.torsion {
-        // Everything else is in terms of the surface.
+        // All other values are quantities of the surface.
         value["bar"]["mode"] = json!("torsion");
         value["bar"]["radius"] = json!(torsion.radius);
         value["bar"]["polar_moment"] = json!(torsion.polar);

@@ -7,7 +7,7 @@ use crate::bar::Joint;
 use crate::error::{Error, InputError};
 use crate::record::Compression;
 
-/// An elastic steel, so that these tests rest on no library.
+/// Elastic steel, defined here so that the tests do not depend on the material library.
 const STEEL: &str = r#"{ name = "steel", density = 7800, modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, 200e6], [0.1, 300e6]] } }"#;
 
 fn base(rest: &str) -> String {
@@ -65,7 +65,7 @@ fn front_tracking_has_its_own_defaults() {
     let exact = scene("method = \"moc\"\nfront-tolerance = 0\nmax-events = 5e3\n[record]\npaths = false\n", &[]);
     assert_eq!(exact.solve.method, Method::FrontTracking { front_tolerance: 0.0, event_budget: 5000 });
     assert!(!exact.record.paths);
-    // A scene for the grid has neither.
+    // A scene for a grid has neither.
     assert!(scene("", &[]).resolved_json()["record"].get("paths").is_none());
 }
 
@@ -139,7 +139,7 @@ fn ends_mean_what_they_say() {
     let ball = end("kind = \"ball\"\ndiameter = 2\nvelocity = 3\ndensity = 6\nrigid = true\nbar-poisson = 0.5");
     let EndCondition::Ball { mass, velocity, contact } = ball else { panic!("not a ball") };
     assert!((mass / (8.0 * std::f64::consts::PI) - 1.0).abs() < 1e-15);
-    // A rigid ball: E* = E/(1 - nu^2), and the steel here has 200 GPa.
+    // The ball is rigid: E* = E/(1 - nu^2), with 200 GPa for the steel defined here.
     assert!(velocity == 3.0 && contact.radius == 1.0 && (contact.modulus * 0.75 / 200e9 - 1.0).abs() < 1e-15);
     let spring = end("kind = \"spring\"\nstiffness = \"10 kN/mm\"");
     assert!(matches!(spring, EndCondition::Spring { stiffness: 1e7 }));
@@ -240,7 +240,7 @@ fn a_critical_velocity_is_that_of_a_bar_in_no_initial_state() {
     let compression = "bar.material.compression={ table = [[0.001, 200e6], [0.05, 250e6]] }";
     let pushed = of(&["bar.material.beyond=rupture", "bar.plastic-strain=0.01", compression, "left.value=30"]);
     assert!(pushed.critical_velocity() < pulled.critical_velocity(), "{:?}", pushed.critical_velocity());
-    // A curve that goes on for ever has none.
+    // A curve that is extended without limit has no critical velocity.
     assert!(of(&["bar.plastic-strain=0.01"]).notes().is_empty());
 }
 
@@ -251,7 +251,7 @@ fn sharp_waves_that_leapfrog_disperses_are_noted() {
     let noted = notes(&["solve.cfl=0.95"]);
     assert!(noted.len() == 1 && noted[0].contains("Courant number 0.95"), "{noted:?}");
     assert!(notes(&["solve.cfl=0.95", "solve.scheme=muscl"]).is_empty());
-    // A load that rises in a ramp.
+    // The load rises linearly.
     assert!(notes(&["solve.cfl=0.95", "left.value=", "left.history=[[0, 0], [1e-5, -30]]"]).is_empty());
 }
 
@@ -337,7 +337,7 @@ fn histories_are_read_from_columns_of_records() {
     ] {
         let scene = read(keys).unwrap_or_else(|e| panic!("{keys}: {e}"));
         let EndCondition::Velocity { history, .. } = &scene.left else { panic!("{:?}", scene.left) };
-        // A third of the first rise is over as the run begins; then the rows of -4, 0 and 10 us.
+        // The run begins after a third of the first rise; the rows of -4, 0 and 10 us follow.
         for (time, feet) in [(0.0, -20.0 / 3.0), (4e-6, -20.0), (8e-6, -40.0), (18e-6, -40.0)] {
             assert!((history.at(time) / 0.3048 - feet).abs() < 1e-12, "{keys}: {:?}", history.at(time) / 0.3048);
         }
@@ -359,7 +359,7 @@ fn histories_are_read_from_columns_of_records() {
     }
 }
 
-/// A scene with a word from every part of the language, as the ground for slips.
+/// Scene with a key from every part of the scene language, which is the starting point for random mistakes.
 fn ground() -> String {
     base(
         "scheme = \"leapfrog\"\ncfl = 0.9\ncells = 100\n[effects]\nhardening = { mixed = 0.3 }\n[record]\nevery = \"10 us\"\n\
@@ -370,7 +370,7 @@ fn ground() -> String {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// A slip of the pen is answered by a scene or by an input error with a help line, never by a panic.
+    /// A random mistake results in a valid scene or in an input error with a help line, never in a panic.
     #[test]
     fn slips_are_answered(at in 0.0..1.0_f64, cut in 0..12_usize, put in "[-\\[\\]{}=\"#.,a-z0-9 \n]{0,4}") {
         let mut text = ground();
@@ -384,7 +384,7 @@ proptest! {
         }
     }
 
-    /// So is an override.
+    /// The same holds for an override.
     #[test]
     fn overrides_are_answered(
         key in "(bar|left|solve|record|effects|title)(\\.[a-z0-9]{1,4}|\\.value|\\.gauges|\\.until|\\.0){0,3}",

@@ -1,4 +1,4 @@
-//! What a program gives as the value of a key of a scene.
+//! Values of scene keys that are given by a program.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,8 +8,8 @@ use toml::{Table, Value};
 
 use crate::material::{Curve, Material};
 
-/// A value of a key: numbers (of SI units), texts (which may carry a unit), lists of values, pairs, tables, one- and two-dimensional arrays,
-/// materials and curves, and references to all of these.
+/// Conversion into the value of a key: numbers (in SI units), strings (which may contain a unit), lists of values, pairs, tables, one- and
+/// two-dimensional arrays, materials and curves, and references to all of these.
 ///
 /// ```
 /// use barwave::ndarray::Array1;
@@ -24,11 +24,11 @@ use crate::material::{Curve, Material};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait IntoValue {
-    /// As it would stand in a scene file.
+    /// Returns the value as it would be written in a scene file.
     fn into_value(self) -> Value;
 }
 
-/// Types with a conversion.
+/// Implements [`IntoValue`] for types with this conversion.
 macro_rules! convertible {
     ($($own:ty),* => $convert:expr) => {$(
         impl IntoValue for $own {
@@ -41,7 +41,7 @@ macro_rules! convertible {
 
 convertible!(Value, Table, Datetime, String, &str, bool, i8, i32, i64, u8, u32, f32, f64 => Value::from);
 convertible!(i16, u16 => |number| Value::Integer(i64::from(number)));
-// Integers that are larger than those of a file become floats, to be refused with their value.
+// Integers beyond the range of TOML become floats, so that the error message shows their value.
 convertible!(u64, usize, isize => |number: Self| i64::try_from(number).map_or(Value::Float(number as f64), Value::Integer));
 
 impl IntoValue for Material {
@@ -88,7 +88,7 @@ impl<T: IntoValue + Clone> IntoValue for &T {
     }
 }
 
-/// A row, such as a time with a velocity.
+/// Row with two columns, such as a time and a velocity.
 impl<A: IntoValue, B: IntoValue> IntoValue for (A, B) {
     fn into_value(self) -> Value {
         Value::Array(vec![self.0.into_value(), self.1.into_value()])
@@ -101,7 +101,7 @@ impl<T: IntoValue + Clone, S: Data<Elem = T>> IntoValue for ArrayBase<S, Ix1> {
     }
 }
 
-/// A list of rows.
+/// Converts an array into a list of rows.
 impl<T: IntoValue + Clone, S: Data<Elem = T>> IntoValue for ArrayBase<S, Ix2> {
     fn into_value(self) -> Value {
         list(self.rows())

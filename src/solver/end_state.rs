@@ -1,32 +1,32 @@
-//! Readings of an end of a bar.
+//! State of an end of a bar, as histories show it.
 
 use serde::{Deserialize, Serialize};
 
 /// Stress and velocity of an end.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EndState {
-    /// Pa, tension positive.
+    /// Stress, Pa, tension positive.
     pub stress: f64,
-    /// m/s, positive in +x.
+    /// Velocity, m/s, positive in +x.
     pub velocity: f64,
 }
 
 impl EndState {
-    /// Not known.
+    /// State that is not known.
     pub const UNKNOWN: Self = Self { stress: f64::NAN, velocity: f64::NAN };
 
-    /// Half-way to another state.
+    /// Returns the mean of this state and another one.
     #[must_use]
     pub fn mean(self, other: Self) -> Self {
         Self { stress: 0.5 * (self.stress + other.stress), velocity: 0.5 * (self.velocity + other.velocity) }
     }
 }
 
-/// An end of a bar on a grid after a step, or just after t = 0.
+/// State of an end of a bar on a grid after a step, or just after t = 0.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct EndSample {
-    /// At the present time; [`EndState::UNKNOWN`] where the solver knows means over steps alone.
+    /// State at the present time; [`EndState::UNKNOWN`] if the solver knows only means over steps.
     pub now: EndState,
-    /// Mean over the latest step, of second order where waves are elastic; else, and at t = 0, [`EndState::UNKNOWN`].
+    /// Mean over the latest step, of second order if the waves are elastic; otherwise, and at t = 0, [`EndState::UNKNOWN`].
     pub latest: EndState,
 }

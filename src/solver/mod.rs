@@ -1,4 +1,4 @@
-//! Solvers. They depend on laws, bars and ends, not on effects by name or on file formats.
+//! Solvers. They depend on laws, bars and ends, not on named effects or file formats.
 
 mod end_state;
 mod energies;

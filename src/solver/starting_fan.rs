@@ -1,4 +1,4 @@
-//! The centred fan of an end or a joint that is suddenly loaded, as schemes on a grid start with it; see [`crate::wave::similarity`].
+//! The centred fan of an end or joint that is suddenly loaded, as grid schemes impose it in the first steps; see [`crate::wave::similarity`].
 
 use serde::{Deserialize, Serialize};
 
@@ -6,116 +6,120 @@ use super::unloading::Unloading;
 use crate::bar::{Driver, InitialFan, Origin, START_CELLS};
 use crate::wave::similarity::Edge;
 
-/// Velocities of two sides of a joint that differ by this part of their jumps are one.
+/// Relative difference (of their velocity jumps) up to which the velocities of the two sides of a joint count as equal.
 const TOGETHER: f64 = 1e-9;
 
-/// Places that differ by this part are one.
+/// Relative difference up to which two positions count as the same.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Part of its velocity within which a fan has lost nothing.
+/// Velocity losses below this fraction of the velocity jump count as rounding.
 const ROUND_OFF: f64 = 1e-12;
 
-/// Part of its stress by which a cell may stay below the stress that it had, where it is unloaded while a front is still spread over it; and cells over
-/// which fronts are spread at least. In annealed copper pulled at a velocity that rises and falls in 50 us each, the force was wrong by 10 % with 7, and is
-/// by 5 % with 1 (200 cells).
+/// Largest relative error of the peak stress in a cell that is unloaded while a front spread over a ramp still passes it, and least number of cells
+/// over which fronts are spread. The ramps of decaying loads are shortened accordingly. In annealed copper pulled at a velocity that rises and falls
+/// in 50 us each (200 cells), the force is wrong by 10 % with ramps of 7 cells and by 5 % with 1 cell.
 const BELOW: f64 = 0.01;
 const LEAST_RAMP: f64 = 1.0;
 
-/// Part of the stress after which the bar behind a fan yields the other way that it may lose.
+/// A fan ends once its end has lost this fraction of the stress drop after which the bar behind it yields in the opposite sense.
 const MOST_LOST: f64 = 0.9;
 
 /// A front of a fan.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Front {
-    /// m/s.
+    /// Speed, m/s.
     speed: f64,
-    /// It stays sharp: schemes are exact for it.
+    /// Whether it is elastic. Elastic fronts stay sharp: the schemes are exact for them.
     elastic: bool,
-    /// Velocity (m/s, in +x) and stress (Pa, tension positive) ahead of it.
+    /// Velocity (m/s, in +x) and stress (Pa, tension positive) ahead of the front.
     ahead: [f64; 2],
-    /// When it leaves the origin, s.
+    /// Time at which the front leaves the origin, s after the start of the fan.
     delay: f64,
 }
 
-/// How a grid resolves a segment.
+/// Resolution of a segment on a grid.
 #[derive(Debug, Clone, Copy)]
 pub struct Resolution {
     /// Cell size, m.
     pub dx: f64,
-    /// Cells.
+    /// Number of cells.
     pub cells: usize,
     /// Time step, s.
     pub dt: f64,
-    /// Elastic, m/s.
+    /// Elastic wave speed, m/s.
     pub wave_speed: f64,
 }
 
 /// The fan of an end or of one side of a joint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct StartingFan {
-    /// 0: it starts at the left of its segment, 1: at the right.
+    /// Side of the segment at which the fan starts: 0 is left, 1 is right.
     pub side: usize,
-    /// It starts at a joint.
+    /// Whether the fan starts at a joint.
     pub at_joint: bool,
-    /// What drives it.
+    /// Quantity or body that drives the fan.
     pub driver: Driver,
-    /// How what drives it unloads the bar, where that lessens.
+    /// Waves that unload the bar behind the fan; `None` if the load does not decay.
     unloading: Option<Unloading>,
-    /// Stress that the bar behind it can lose before it yields the other way, Pa.
+    /// Decrease of stress at which the bar behind the fan yields in the opposite sense, Pa.
     yields_after: f64,
-    /// How far its end had moved at its start, m, less what it has lost of its way since, where that follows from a stress.
+    /// Displacement of the end at the start of the fan (0 unless a stress drives it) minus the displacement lost to unloading since then, m.
     pub placed: f64,
-    /// Momentum that schemes owe for both sides of its joint, or for the stress or the body at its end, N s in +x.
+    /// Impulse (N s, in +x) that the imposed motion has given to nodes and that the scheme still has to take back: at a joint from both sides, at an
+    /// end with a prescribed stress or a ball from the nodes near it.
     pub owed: f64,
-    /// Only the node where it starts is made to move as the fan does.
+    /// Whether only the node at the origin follows the fan.
     pub only_origin: bool,
-    /// Its segment, which it does not leave while it is imposed.
+    /// Index of the segment. The fan does not leave it while it is imposed.
     pub segment: usize,
-    /// The fastest first.
+    /// Fronts, fastest first.
     fronts: Vec<Front>,
-    /// Velocity behind the fan, that of the end or the joint, m/s.
+    /// Velocity of the end or joint behind the fan, m/s.
     pub velocity_behind: f64,
-    /// Stress behind it, Pa, tension positive.
+    /// Stress behind the fan, Pa, tension positive.
     pub stress: f64,
-    /// Of waves that unload the bar, and what a steady change of velocity makes of both waves, Pa s/m.
+    /// Impedance of the unloading waves, and ratio of stress to velocity change at the origin if the velocity changes steadily, so that unloading
+    /// waves and their reflections from the slowest front act together, Pa s/m.
     impedance: f64,
     slow_impedance: f64,
-    /// Length over which fronts that are not elastic are ramps, m.
+    /// Length over which plastic fronts are spread as ramps, m.
     ramp: f64,
-    /// When it starts, s.
+    /// Start time, s.
     pub from: f64,
-    /// A wave from elsewhere in the bar starts it.
+    /// Whether a wave from elsewhere in the bar starts the fan.
     by_wave: bool,
-    /// The first step at the end of which it is imposed, and those up to which it is, and up to which it is known.
+    /// First step at the end of which the fan is imposed, step from which on it is no longer imposed, and step from which on it is no longer known.
     first: usize,
     steps: usize,
     known: usize,
-    /// Nodes from the end on that it may set: none that one from the far side sets, nor that a wave from elsewhere reaches while it is imposed.
+    /// Number of nodes from the origin that the fan may set. It excludes nodes set by a fan from the far side and nodes that another wave reaches
+    /// meanwhile.
     pub nodes: usize,
 }
 
-/// Nodes from the end on that a fan which grows sets: farther in, its fronts are so far from each other that a scheme takes them over as they are.
+/// Number of nodes from the origin that a growing fan sets. Farther in, its fronts are so far apart that a scheme takes them over as they are.
 const GROWING_NODES: usize = 64;
 
 impl StartingFan {
-    /// On this grid of its segment, of this density (kg/m^3); plastic fronts are spread over `ramp` cells. None of one that leaves the bar elastic,
-    /// but for sides of joints, of one above critical, and of one that does not travel.
+    /// Creates the fan for a grid of its segment with this density (kg/m^3); plastic fronts are spread over at most `ramp` cells. Returns `None` if
+    /// the fan leaves the bar elastic (except on a side of a joint), if it is above critical or beyond the data, or if its slowest front does not
+    /// travel.
     pub fn new(initial_fan: &InitialFan, density: f64, grid: &Resolution, ramp: f64) -> Option<Self> {
         let &Resolution { dx, cells, dt, wave_speed } = grid;
         let fan = &initial_fan.fan;
         let [stress, velocity_behind] = initial_fan.state_behind()?;
         let at_joint = matches!(initial_fan.origin, Origin::Joint(_));
         let elastic = |edge: &Edge| edge.is_elastic(wave_speed);
-        // A side of a joint that stays elastic belongs to it as well.
+        // An elastic side of a joint is kept because it belongs to the plastic fan of the other side.
         fan.edges.last().filter(|edge| (at_joint || !elastic(edge)) && edge.speed > 0.0)?;
         let followed = initial_fan.followed_for(dx, wave_speed);
         let wanted = (followed / dt).ceil();
         let possible = (initial_fan.known_until(dx * cells as f64) / dt).floor() - 1.0;
         let until_other_fans = if initial_fan.alone { cells } else { (cells - 1) / 2 };
-        // Whatever is rounding: a bar and its mirror image have as many.
+        // The margin removes rounding, so that a bar and its mirror image get the same number of nodes.
         let uniform = (initial_fan.uniform_for / dx * (1.0 + SAME_PLACE)) as usize;
         let near = if initial_fan.delays.is_empty() { cells } else { GROWING_NODES };
-        // Waves that start a fan arrive with a whole step; that within which a gap closes is part of the fan.
+        // A wave that starts a fan arrives at the end of a whole step. The step within which a gap closes is part of the fan.
         let (started, by_wave) = (initial_fan.from / dt, initial_fan.wave_through.is_some());
         let first = if by_wave { started.round() } else { started.floor() };
         let fronts = fronts(initial_fan, wave_speed);
@@ -146,7 +150,8 @@ impl StartingFan {
         })
     }
 
-    /// Both sides of a joint start with their fans, for as long as the one asks for it and both are known, or neither.
+    /// Makes both fans of each joint last equally long: as long as either needs, if both are known so far. Removes both if one is missing or if the
+    /// sides separate.
     pub fn keep_whole_joints(fans: &mut [Self], segments: usize) {
         let mut starts: Vec<f64> = fans.iter().map(|fan| fan.from).collect();
         starts.sort_by(f64::total_cmp);
@@ -157,7 +162,7 @@ impl StartingFan {
             let sides: Vec<&Self> = fans.iter().filter(|fan| here(fan)).collect();
             let wanted = sides.iter().map(|fan| fan.steps).max().unwrap_or(0);
             let known = sides.iter().map(|fan| fan.known).min().unwrap_or(0);
-            // Where a level curve carries no more, the sides part.
+            // The sides separate where a level curve carries no more.
             let together = |a: &Self, b: &Self| {
                 let jump = |fan: &Self| (fan.velocity_behind - fan.velocity_ahead()).abs();
                 (a.velocity_behind - b.velocity_behind).abs() <= TOGETHER * (jump(a) + jump(b))
@@ -170,17 +175,17 @@ impl StartingFan {
         }
     }
 
-    /// Its fronts leave its origin one after another.
+    /// Returns whether the fronts leave the origin one after another.
     pub fn grows(&self) -> bool {
         self.grows_at(0.0)
     }
 
-    /// Some of them leave after this time, s after its start.
+    /// Returns whether some fronts leave the origin later than `time` (s) after the start.
     pub fn grows_at(&self, time: f64) -> bool {
         self.fronts.last().is_some_and(|front| front.delay > time.max(0.0))
     }
 
-    /// How far its origin has moved `time` (s) after its start, m; before its start, at negative times, it moves with the bar ahead.
+    /// Returns the displacement of the origin `time` (s) after the start, m. Before the start (negative times) it moves with the bar ahead.
     pub fn moved(&self, time: f64) -> f64 {
         if !self.grows() {
             return if time < 0.0 { self.velocity_ahead() } else { self.velocity_behind } * time;
@@ -190,48 +195,50 @@ impl StartingFan {
         self.velocity_ahead() * time + self.fronts.iter().zip(behind).map(since).sum::<f64>()
     }
 
-    /// Velocity of the bar ahead of it, m/s.
+    /// Velocity of the bar ahead of the fan, m/s.
     fn velocity_ahead(&self) -> f64 {
         self.fronts[0].ahead[0]
     }
 
-    /// It is imposed at the end of this step.
+    /// Returns whether the fan is imposed at the end of this step.
     pub fn is_imposed_at(&self, step: usize) -> bool {
         (self.first..self.steps).contains(&step)
     }
 
-    /// It is imposed at the end of this step or of a later one.
+    /// Returns whether the fan is imposed at the end of this step or of a later one.
     pub fn is_imposed_from(&self, step: usize) -> bool {
         step < self.steps && self.first < self.steps
     }
 
-    /// It is imposed at the end of this step for the last time, if it has started.
+    /// Makes this step the last one at the end of which the fan is imposed.
     pub fn end_after(&mut self, step: usize) {
         self.steps = self.steps.min(step + 1);
     }
 
-    /// This is the first step at the end of which it is imposed.
+    /// Returns whether this is the first step at the end of which the fan is imposed.
     pub fn begins_at(&self, step: usize) -> bool {
         step == self.first
     }
 
-    /// How far its slowest front travels in steps of `dt` (s) while it is imposed, m.
+    /// Distance that the slowest front travels while the fan is imposed in steps of `dt` (s), m.
     pub fn imposed_over(&self, dt: f64) -> f64 {
         self.fronts.last().map_or(0.0, |front| front.speed * self.steps.saturating_sub(self.first) as f64 * dt)
     }
 
-    /// Nodes get this impulse (N s in +x) from nobody at the end of this step. Returns what somebody has to give now: as it ends, all of it.
+    /// Adds an impulse (N s, in +x) that nodes get at the end of this step without a source. Returns the impulse to be taken back: the whole sum in
+    /// the last step of the fan, else 0.
     pub fn owe(&mut self, step: usize, impulse: f64) -> f64 {
         self.owed += impulse;
         if self.ends_at(step) { std::mem::take(&mut self.owed) } else { 0.0 }
     }
 
-    /// This is the last step at the end of which it is imposed.
+    /// Returns whether this is the last step at the end of which the fan is imposed.
     pub fn ends_at(&self, step: usize) -> bool {
         step + 1 == self.steps
     }
 
-    /// Mean velocity (m/s) and stress (Pa) at its origin over the step of `dt` (s) in which a gap closes, or a velocity jumps, and it starts.
+    /// Returns mean velocity (m/s) and stress (Pa) at the origin over the step of `dt` (s) within which a gap closes or a velocity jumps and the fan
+    /// starts. `None` in all other steps, and for fans that start at t = 0, that grow, or that a wave starts.
     pub fn starts_within(&self, step: usize, dt: f64) -> Option<[f64; 2]> {
         let part = (step + 1) as f64 - self.from / dt;
         let (ahead, behind) = (self.fronts[0].ahead, [self.velocity_behind, self.stress]);
@@ -240,23 +247,24 @@ impl StartingFan {
             .then_some(mean)
     }
 
-    /// The first step, this one or a later one, at the end of which one of these is imposed.
+    /// Returns the first step, from `step` on, at the end of which one of these fans is imposed.
     pub fn next_step(fans: &[Self], step: usize) -> Option<usize> {
         fans.iter().filter(|fan| fan.is_imposed_from(step)).map(|fan| fan.first.max(step)).min()
     }
 
-    /// How far its fronts, as spread over ramps, get within `time` (s) of its start, m.
+    /// Distance that the fronts, including their ramps, have covered `time` (s) after the start, m.
     pub fn reach(&self, time: f64) -> f64 {
         self.reach_of(&self.fronts, time)
     }
 
-    /// It is imposed on more than its origin: not where it is elastic and a wave starts it, which may come through its segment and change.
+    /// Returns whether the fan is imposed beyond its origin. It is not if it is elastic and started by a wave: that wave may come through its segment
+    /// and change.
     pub fn is_imposed_inside(&self) -> bool {
         !(self.by_wave && self.stays_elastic())
     }
 
-    /// How far it is imposed then. Where a wave starts it, up to its plastic fronts: that wave may change behind its own, and schemes follow elastic fronts by
-    /// themselves. 0 where there is none.
+    /// Distance over which the fan is imposed `time` (s) after the start, m. If a wave starts the fan, only plastic fronts count: the wave may change
+    /// behind its own front, and schemes follow elastic fronts by themselves. 0 if there are no such fronts.
     pub fn imposed_reach(&self, time: f64) -> f64 {
         self.reach_of(self.fronts.iter().filter(|front| !(self.by_wave && front.elastic)), time)
     }
@@ -267,12 +275,12 @@ impl StartingFan {
         fronts.into_iter().map(front).fold(0.0, f64::max)
     }
 
-    /// +1 where it runs in +x, -1 in -x.
+    /// Direction of travel: +1 in +x, -1 in -x.
     pub fn direction(&self) -> f64 {
         if self.side == 0 { 1.0 } else { -1.0 }
     }
 
-    /// Velocity (m/s) at its origin over the step from `time` (s) on, counted from its start.
+    /// Mean velocity (m/s) at the origin over the step that begins `time` (s) after the start.
     pub fn velocity_at_origin(&self, time: f64, dt: f64) -> f64 {
         if self.grows() {
             self.means(0.0, time, dt)[0]
@@ -281,7 +289,7 @@ impl StartingFan {
         }
     }
 
-    /// Stress at its origin at a time, Pa: behind its fronts that have left, less what the bar is unloaded there.
+    /// Stress (Pa) at the origin `time` (s) after the start: that behind the fronts that have left, reduced by the unloading of the bar.
     pub fn stress_at_origin(&self, time: f64, dt: f64) -> f64 {
         let from = (time - 0.5 * dt).max(0.0);
         if self.grows() {
@@ -291,32 +299,34 @@ impl StartingFan {
         }
     }
 
-    /// The same of a fan from t = 0, each front of which leaves within a step: the stress at the end of a step, without what leaves beside it.
+    /// Same for a fan from t = 0 whose fronts each leave within one step: stress at the end of a step, not averaged over the fronts that leave around
+    /// that time.
     pub fn stress_of_departed(&self, time: f64) -> f64 {
         let left = self.fronts.partition_point(|front| front.delay < time);
         self.fronts.get(left).map_or(self.stress, |front| front.ahead[1]) + self.lost(0.0, time)[1]
     }
 
-    /// What the bar has lost at a time (s after its start) at a distance (m): velocity, m/s in +x, and what that adds to the stress, Pa.
+    /// Returns the velocity (m/s, in +x) that the bar has lost at `distance` (m) and `time` (s after the start), and the resulting change of stress,
+    /// Pa.
     fn lost(&self, distance: f64, time: f64) -> [f64; 2] {
         let [velocity, stress] = self.unloading.as_ref().map_or([0.0; 2], |unloading| unloading.lost(distance, time));
         [velocity, self.direction() * self.impedance * stress]
     }
 
-    /// How its end answers at a time, s after its start: the stress (Pa) of an end that moves with [`Self::velocity_behind`], and by how much it
-    /// falls in size with the velocity, Pa s/m.
+    /// Response of the end `time` (s) after the start: stress (Pa) of an end that moves with [`Self::velocity_behind`], and decrease of its magnitude
+    /// per velocity lost, Pa s/m.
     pub fn answer(&self, time: f64) -> [f64; 2] {
         let Some(unloading) = &self.unloading else { return [self.stress, self.slow_impedance] };
         let [factor, summand] = unloading.stress_for_velocity(time);
         [self.stress + self.direction() * self.impedance * summand, factor * self.impedance]
     }
 
-    /// Its end moves with this velocity (m/s) at a time (s after its start) in this step.
+    /// Records the velocity (m/s) of the end at `time` (s after the start) in this step.
     pub fn lose(&mut self, step: usize, time: f64, velocity: f64) {
         self.note_lost(step, time, self.loss(self.velocity_behind - velocity));
     }
 
-    /// Its end has lost this velocity (m/s) at a time (s after its start) in this step.
+    /// Records the velocity (m/s) that the end has lost at `time` (s after the start) in this step.
     fn note_lost(&mut self, step: usize, time: f64, velocity: f64) {
         if let Some(unloading) = &mut self.unloading {
             unloading.note_velocity(time, velocity);
@@ -324,23 +334,24 @@ impl StartingFan {
         self.end_before_it_yields(step, time);
     }
 
-    /// The wave that starts both fans of its joint changes behind its front.
+    /// Returns whether the wave that starts both fans of the joint changes behind its front.
     pub fn follows_wave(&self) -> bool {
         self.at_joint && self.by_wave && self.unloading.is_some()
     }
 
-    /// None of its fronts is plastic.
+    /// Returns whether none of the fronts is plastic.
     pub fn stays_elastic(&self) -> bool {
         self.fronts.iter().all(|front| front.elastic)
     }
 
-    /// Stress (Pa) of the waves that come to its origin, where the bar has this stress (Pa) and velocity (m/s).
+    /// Stress (Pa) of the waves that arrive at the origin if the bar has this stress (Pa) and velocity (m/s) there.
     fn arriving(&self, [stress, velocity]: [f64; 2]) -> f64 {
         0.5 * (stress + self.direction() * self.impedance * velocity)
     }
 
-    /// Takes both fans of a joint, that of the left side first, on to the step from `time` (s after their start) on, as far as the wave that starts them has changed.
-    /// It comes through the one that stays elastic: `beside` are its stress (Pa) and velocity (m/s) at the joint on both sides. Sections in m^2.
+    /// Updates both fans of a joint (left side first) for the change of the wave that starts them, in the step that begins `time` (s) after their
+    /// start. The wave comes through the side that stays elastic. `beside` are stress (Pa) and velocity (m/s) at the joint on both sides, `areas` the
+    /// sections in m^2.
     pub fn follow_wave(
         fans: [&mut Self; 2],
         step: usize,
@@ -353,7 +364,8 @@ impl StartingFan {
         let middle = time + 0.5 * dt;
         let (inward, behind) = (plastic.direction(), plastic.velocity_behind);
         let [stress, impedance] = plastic.answer(middle);
-        // Both have one force: twice that of the wave less what moves along, and what is behind the plastic fronts.
+        // Both sides carry the same force: on the elastic side that of the arriving wave, doubled, less what radiates back; on the other that behind
+        // the plastic fronts.
         let force =
             areas[1] * (stress + inward * impedance * behind) - 2.0 * areas[0] * elastic.arriving(beside[through]);
         let velocity = inward * force / (areas[1] * impedance + areas[0] * elastic.impedance);
@@ -363,13 +375,13 @@ impl StartingFan {
         }
     }
 
-    /// A loss of velocity (m/s) or none: what rounding adds is no loss.
+    /// Returns a velocity loss (m/s), or 0 if it is a gain or within rounding.
     fn loss(&self, lost: f64) -> f64 {
         let jump = self.velocity_behind - self.velocity_ahead();
         if lost * jump > ROUND_OFF * jump * jump { lost } else { 0.0 }
     }
 
-    /// Its end carries this stress (Pa) at a time (s after its start) in this step.
+    /// Records the stress (Pa) of the end at `time` (s after the start) in this step.
     pub fn carry(&mut self, step: usize, time: f64, stress: f64) {
         let lost = self.loss(self.direction() * (stress - self.stress) / self.impedance);
         if let Some(unloading) = &mut self.unloading {
@@ -378,24 +390,24 @@ impl StartingFan {
         self.end_before_it_yields(step, time);
     }
 
-    /// It ends with this step as soon as its end has lost most of the stress after which the bar yields the other way.
+    /// Ends the fan with this step once the end has lost most of the stress after which the bar yields in the opposite sense.
     fn end_before_it_yields(&mut self, step: usize, time: f64) {
         if !self.stays_elastic() && self.lost(0.0, time)[1].abs() > MOST_LOST * self.yields_after {
             self.end_after(step);
         }
     }
 
-    /// Velocity (m/s, in +x) that its end has lost at a time, s after its start.
+    /// Velocity (m/s, in +x) that the end has lost `time` (s) after the start.
     pub fn slowed(&self, time: f64) -> f64 {
         self.lost(0.0, time)[0]
     }
 
-    /// Mean velocity (m/s) and stress (Pa) over the step from `time` on, counted from its start, at `distance` (m) from where it starts.
+    /// Mean velocity (m/s) and stress (Pa) over the step that begins `time` (s) after the start, at `distance` (m) from the origin.
     pub fn means(&self, distance: f64, time: f64, dt: f64) -> [f64; 2] {
         let (mut fronts, mut behind) = (&self.fronts[..], [self.velocity_behind, self.stress]);
         let [slowed, unloaded] = self.lost(distance, time + 0.5 * dt);
         if slowed != 0.0 {
-            // The unloading waves that come after the fan take its slowest fronts away.
+            // Unloading waves that follow the fan cancel its slowest fronts.
             behind = [behind[0] - slowed, behind[1] + unloaded];
             let is_left = |front: &Front| (behind[0] - front.ahead[0]) * slowed > 0.0;
             fronts = &fronts[..fronts.partition_point(is_left).max(1)];
@@ -403,11 +415,11 @@ impl StartingFan {
         self.through(fronts, behind, distance, time, dt)
     }
 
-    /// The same of the first of its fronts, with the state `behind` the last of these.
+    /// Same for these leading fronts only, with the state `behind` the last of them.
     fn through(&self, fronts: &[Front], behind: [f64; 2], distance: f64, time: f64, dt: f64) -> [f64; 2] {
-        // No front is felt in the first step, in which nodes are at rest.
+        // No front acts in the first step, in which nodes are at rest.
         let half_ramp = |speed: f64| (0.5 * self.ramp).min(distance - speed * dt).max(0.0);
-        // Fronts that have passed before the step count in full, those that arrive after it not at all.
+        // Fronts that passed before the step count in full, those that arrive after it not at all.
         let gone = |front: &Front, time: f64| front.speed * (time - front.delay);
         let passed = fronts.partition_point(|front| gone(front, time) >= distance + half_ramp(front.speed));
         let arrives = |front: &&Front| gone(front, time + dt) > distance - half_ramp(front.speed);
@@ -424,7 +436,7 @@ impl StartingFan {
     }
 }
 
-/// The fronts of a fan, the fastest first, where elastic waves have this speed (m/s).
+/// Returns the fronts of a fan, fastest first, for this elastic wave speed (m/s).
 fn fronts(initial_fan: &InitialFan, wave_speed: f64) -> Vec<Front> {
     let mut ahead = [initial_fan.velocity_ahead, initial_fan.stress_ahead()];
     let delays = initial_fan.delays.iter().copied().chain(std::iter::repeat(0.0));
@@ -438,15 +450,15 @@ fn fronts(initial_fan: &InitialFan, wave_speed: f64) -> Vec<Front> {
     initial_fan.fan.edges.iter().zip(delays).map(front).collect()
 }
 
-/// Speeds of fronts (m/s), when they leave the end (s), and the velocities that they bring (m/s), the slowest first.
+/// Returns speed (m/s), departure time (s) and velocity jump (m/s) of every front, slowest first.
 fn brought(fronts: &[Front], velocity_behind: f64) -> Vec<[f64; 3]> {
     let mut behind = velocity_behind;
     let mut brings = |front: &Front| std::mem::replace(&mut behind, front.ahead[0]) - front.ahead[0];
     fronts.iter().rev().map(|front| [front.speed, front.delay, brings(front)]).collect()
 }
 
-/// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises over `width` (s), by a polynomial without kinks in slope and
-/// curvature: from those a scheme would ring.
+/// Integral up to `t` (s) of a front of height 1 that passes at 0 and rises over `width` (s). The polynomial has continuous slope and curvature:
+/// kinks would make a scheme ring.
 fn ramped(t: f64, width: f64) -> f64 {
     if t >= 0.5 * width {
         t
@@ -468,7 +480,7 @@ mod tests {
     const MODULUS: f64 = 200e9;
     const GRID: Resolution = Resolution { dx: 1e-3, cells: 200, dt: 1.9e-7, wave_speed: 5047.5 };
 
-    /// Of a bilinear bar whose left end suddenly moves with 30 m/s.
+    /// Returns the fan of a bilinear bar whose left end suddenly moves at 30 m/s.
     fn starting(driver: Driver, ramp: f64) -> StartingFan {
         let curve = Curve::new(&[(0.0, 0.0), (1e-3, 200e6), (0.05, 1180e6)], Beyond::Extend).expect("a curve");
         let fan = fan_at_velocity(&curve, DENSITY, 30.0);
@@ -483,7 +495,7 @@ mod tests {
         StartingFan::new(&initial_fan, DENSITY, &Resolution { wave_speed, ..GRID }, ramp).expect("a fan")
     }
 
-    /// Whatever they are spread over, fronts bring a place the displacement and the impulse of sharp ones.
+    /// Whatever the width of their ramps, fronts cause the same displacement and impulse at a position as sharp ones.
     #[test]
     fn ramps_take_nothing() {
         let [sharp, spread] = [0.0, 7.0].map(|ramp| {
@@ -500,7 +512,7 @@ mod tests {
         }
     }
 
-    /// At the slowest front the unloading that a body sends lies on the chord of the front, and inside it keeps momentum.
+    /// At the slowest front, the unloading by a body lies on the chord of the front; inside the front it conserves momentum.
     #[test]
     fn unloading_waves_fit_the_front_and_the_body() {
         let mut fan = starting(Driver::Body, 0.0);

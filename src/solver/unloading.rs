@@ -1,58 +1,58 @@
-//! How a load that lessens unloads the bar behind the fan that it has started.
+//! Unloading of the bar behind a fan whose load decays.
 //!
-//! The end sends an elastic wave F(t) after the slowest front, which travels with the speed c. The front, weakened along its chord, throws a part of
-//! it back: with r = (c0 - c)/(c0 + c), what has met it and comes to the end at the time t left it at r t, and is r F(r t). Once F has used the front up, the
-//! next one does the same: what comes back, G, grows with the r of that front, and comes from where that front is. At the distance x the bar has lost
-//! the velocity F(t - x/c0) + G(t + x/c0) and the stress rho c0 (F(t - x/c0) - G(t + x/c0)). In a bar that is unloaded along its curve the speed of
-//! the slowest front takes the place of c0, and G is 0.
+//! The end sends an elastic wave F(t) after the slowest front, which travels at the speed c. The wave weakens the front along its chord and is partly
+//! reflected. With r = (c0 - c)/(c0 + c), the reflection that reaches the end at time t left the end at r t and has the amplitude r F(r t). Once F
+//! has cancelled the front, the next one reflects in the same way: the reflected wave G grows with the coefficient r of that front and returns from
+//! its position. At the distance x the bar has lost the velocity F(t - x/c0) + G(t + x/c0) and the stress rho c0 (F(t - x/c0) - G(t + x/c0)). In a
+//! bar that unloads along its curve, the speed of the slowest front replaces c0, and G is 0.
 
 use serde::{Deserialize, Serialize};
 
-/// A front that is weakened.
+/// A front that unloading waves weaken.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Front {
-    /// Over that of the waves that unload the bar.
+    /// Speed relative to that of the unloading waves.
     speed: f64,
-    /// When it leaves the end, s after the start of its fan.
+    /// Time at which the front leaves the end, s after the start of the fan.
     delay: f64,
-    /// F that uses it up, with all slower ones, m/s.
+    /// Magnitude of F that cancels this front and all slower ones, m/s.
     lasts: f64,
 }
 
 impl Front {
-    /// Part of F that it throws back.
+    /// Reflection coefficient r: fraction of F that the front reflects.
     fn throws_back(&self) -> f64 {
         (1.0 - self.speed) / (1.0 + self.speed)
     }
 
-    /// When a wave comes back to the end which has left it at a time, s.
+    /// Time (s) at which a wave that left the end at `time` (s) returns to it.
     fn comes_back(&self, time: f64) -> f64 {
         (time - self.delay) / self.throws_back() + self.delay
     }
 
-    /// When a wave has left the end which comes back to it at a time, s.
+    /// Time (s) at which a wave that returns to the end at `time` (s) left it.
     fn has_left(&self, time: f64) -> f64 {
         (time - self.delay) * self.throws_back() + self.delay
     }
 }
 
-/// The waves behind a fan.
+/// Unloading waves behind a fan.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Unloading {
-    /// Of the waves that unload the bar, m/s.
+    /// Speed of the unloading waves, m/s.
     wave_speed: f64,
-    /// The slowest first.
+    /// Fronts that can be weakened, slowest first.
     fronts: Vec<Front>,
-    /// Times after the start of the fan (s), and F then, m/s; first 0 as the slowest front leaves.
+    /// Times after the start of the fan (s) and F at these times (m/s), from 0 when the slowest front leaves.
     sent: Vec<[f64; 2]>,
-    /// Times at which what has been sent comes back, and G then, m/s.
+    /// Times at which the reflections arrive at the end (s) and G at these times (m/s).
     back: Vec<[f64; 2]>,
 }
 
 impl Unloading {
-    /// Of a bar that nothing has unloaded yet, in which unloading waves have this speed (m/s). Of its `fronts`, the slowest first, are given the speed
-    /// (m/s), when they leave the end (s after the start of the fan), and the velocity that they bring, m/s. Waves that are no faster than a front never
-    /// reach it.
+    /// Creates the state of a bar that nothing has unloaded yet. `wave_speed` is the speed of unloading waves, m/s. `fronts`, slowest first, have
+    /// their speed (m/s), departure time (s after the start of the fan) and velocity jump (m/s). Fronts as fast as the unloading waves are never
+    /// reached by them.
     pub fn new(wave_speed: f64, fronts: impl IntoIterator<Item = [f64; 3]>) -> Self {
         let (mut weakened, mut lasts): (Vec<Front>, f64) = (Vec::new(), 0.0);
         let mut start = None;
@@ -69,37 +69,38 @@ impl Unloading {
         Self { wave_speed, fronts: weakened, sent: vec![start], back: vec![start] }
     }
 
-    /// The stress that an end loses at `time` (s) which has lost a velocity, over rho c0: factor and summand, m/s.
+    /// Returns factor and summand (m/s) of the stress over rho c0 that an end loses at `time` (s), as a linear function of the velocity it has lost.
     pub fn stress_for_velocity(&self, time: f64) -> [f64; 2] {
         let [known, part] = self.coming_back(time);
         let factor = (1.0 - part) / (1.0 + part);
         [factor, -known * (1.0 + factor)]
     }
 
-    /// The end has lost this velocity (m/s) at `time`, s.
+    /// Records the velocity (m/s) that the end has lost at `time`, s.
     pub fn note_velocity(&mut self, time: f64, lost: f64) {
         let [known, part] = self.coming_back(time);
         self.send(time, (lost - known) / (1.0 + part));
     }
 
-    /// The end has lost this stress over rho c0 (m/s) at `time`, s.
+    /// Records the stress over rho c0 (m/s) that the end has lost at `time`, s.
     pub fn note_stress(&mut self, time: f64, lost: f64) {
         let [known, part] = self.coming_back(time);
         self.send(time, (lost + known) / (1.0 - part));
     }
 
-    /// What the bar has lost at this distance (m) at `time` (s): velocity, and stress over rho c0, m/s.
+    /// Returns the velocity (m/s) and the stress over rho c0 (m/s) that the bar has lost at this distance (m) and `time` (s).
     pub fn lost(&self, distance: f64, time: f64) -> [f64; 2] {
         let travels = distance / self.wave_speed;
         let [after, back] = [at(&self.sent, time - travels), at(&self.back, time + travels)];
         [after + back, after - back]
     }
 
-    /// The wave that comes back to the end at a time, from what is known of F before (m/s), and as part of F at that time.
+    /// Returns the wave that arrives back at the end at `time` (s) in two parts: the part known from earlier F (m/s), and the fraction of F at that
+    /// time.
     fn coming_back(&self, time: f64) -> [f64; 2] {
         let ([last, sent], [arrives, back]) = (self.sent[self.sent.len() - 1], self.back[self.back.len() - 1]);
         match self.weakened_by(sent) {
-            // It leaves the end only in this step.
+            // The wave that returns then leaves the end only within this step.
             Some(front) if time > last && time > arrives => {
                 let part = front.throws_back() * (front.has_left(time) - last).max(0.0) / (time - last);
                 [back - part * sent, part]
@@ -108,12 +109,12 @@ impl Unloading {
         }
     }
 
-    /// The front that F weakens, of those that are left.
+    /// Returns the slowest front that F has not cancelled yet.
     fn weakened_by(&self, sent: f64) -> Option<&Front> {
         self.fronts.get(self.fronts.partition_point(|front| front.lasts <= sent.abs()))
     }
 
-    /// The end sends F at a time, s.
+    /// Adds F as the end sends it at `time`, s.
     fn send(&mut self, time: f64, wave: f64) {
         let [last, before] = self.sent[self.sent.len() - 1];
         let used_up = self.fronts.partition_point(|front| front.lasts <= before.abs())
@@ -123,7 +124,7 @@ impl Unloading {
             let part = (front.lasts - before.abs()) / (wave.abs() - before.abs());
             let (time, wave) = (last + part * (time - last), before + part * (wave - before));
             self.meet(time, wave, front);
-            // The next front is farther away.
+            // The next front is farther away, so that its reflection arrives later.
             if let Some(&next) = self.fronts.get(k + 1) {
                 self.meet(time, wave, next);
             }
@@ -134,7 +135,7 @@ impl Unloading {
         }
     }
 
-    /// F, sent at a time (s), meets a front.
+    /// Adds F, sent at `time` (s), and its reflection from a front.
     fn meet(&mut self, time: f64, wave: f64, front: Front) {
         let ([_, before], [arrives, back]) = (self.sent[self.sent.len() - 1], self.back[self.back.len() - 1]);
         self.sent.push([time, wave]);
@@ -142,7 +143,7 @@ impl Unloading {
     }
 }
 
-/// A value at a time, between rows of both.
+/// Interpolates linearly between rows of time and value: 0 before the first row, constant after the last.
 fn at(rows: &[[f64; 2]], time: f64) -> f64 {
     let next = rows.partition_point(|row| row[0] <= time);
     match (next.checked_sub(1).map(|k| rows[k]), rows.get(next)) {
@@ -190,7 +191,7 @@ mod tests {
         }
     }
 
-    /// Front after front: between two of them nothing comes back, and each is weakened by what the slower ones have left of the waves.
+    /// Fronts are cancelled one after another, each by the part of the waves that the slower fronts have left.
     #[test]
     fn fronts_are_used_up_one_after_another() {
         let [slow, fast] = [[600.0, 3e-6, 2.0], [1200.0, 1e-6, 1e9]];
@@ -201,11 +202,11 @@ mod tests {
             unloading.note_velocity(time, lost(time));
         }
         let at = |[speed, delay, _]: [f64; 3], time: f64| unloading.lost(speed * (time - delay), time);
-        // The slow one has lost what it brought as the waves reach it that use it up.
+        // The slow front has lost its whole velocity jump when the waves that cancel it arrive.
         let gone = (0..8000).map(|k| f64::from(k) * 1e-8).find(|&time| at(slow, time)[0] >= 2.0).expect("a time");
         let [velocity, stress] = at(slow, gone);
         assert!((C0 * stress / (600.0 * velocity) - 1.0).abs() < 1e-2, "{velocity} {stress}");
-        // What is lost at the fast one is that of the slow one, along the chord of that, and more along its own.
+        // The loss at the fast front is that of the slow one, along the slow front's chord, plus more along its own.
         for time in [5e-5, 7e-5] {
             let [velocity, stress] = at(fast, time);
             let own = C0 * stress - 600.0 * 2.0;

@@ -1,4 +1,5 @@
-//! Critical velocities by simulation: bars driven at one velocity, below and above, until the bracket is narrow.
+//! Critical velocities by simulation: bars are driven at constant velocities, and the interval between those that hold and those that fracture is
+//! bisected.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -19,50 +20,51 @@ use crate::text_file::NamedFiles;
 use crate::units::Dimension;
 use crate::wave::similarity;
 
-/// Width of a bracket, relative to the velocity.
+/// Width of a bracket, relative to its upper velocity.
 const WIDTH: f64 = 1e-3;
 
-/// Cells of the finer grid; the coarser one has half as many.
+/// Cells of the finer grid; the coarser grid has half as many.
 const CELLS: usize = 400;
 
-/// Most cells of a grid that is refined until it has converged: half as many change the critical velocity by no more than this part.
+/// Most cells of a refined grid, and the largest relative change of the critical velocity from half as many cells for which a grid counts as
+/// converged.
 const MOST_CELLS: usize = 3200;
 const CONVERGED: f64 = 0.01;
 
-/// A front behind which the velocity is less than that of the end by this part has left the end behind.
+/// Relative difference between the velocity of the end and that behind the last front above which the bar does not follow its end.
 const SLIP: f64 = 1e-9;
 
-/// Velocities between which the bar begins to break.
+/// Interval of velocities in which the bar starts to fracture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Bracket {
     /// Largest velocity found at which the bar holds, m/s.
     pub holds_m_s: f64,
-    /// Smallest velocity found at which it breaks, m/s.
+    /// Smallest velocity found at which the bar fractures, m/s.
     pub breaks_m_s: f64,
 }
 
 impl Bracket {
-    /// Its middle, m/s.
+    /// Returns the middle of the bracket, m/s.
     pub fn middle(&self) -> f64 {
         0.5 * (self.holds_m_s + self.breaks_m_s)
     }
 
-    /// Whether a velocity lies in it, give or take its width and as much more.
+    /// Returns whether a velocity lies in the bracket, with a tolerance of its width plus `more` (m/s) on each side.
     fn holds(&self, velocity: f64, more: f64) -> bool {
         let slack = self.breaks_m_s - self.holds_m_s + more;
         (self.holds_m_s - slack..=self.breaks_m_s + slack).contains(&velocity)
     }
 }
 
-/// A bracket on a grid, and how far the grid can be trusted.
+/// Bracket on a grid, with its numerical uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OnGrid {
-    /// Cells of the bar.
+    /// Number of cells of the bar.
     pub cells: usize,
-    /// The bracket.
+    /// Bracket of the critical velocity.
     #[serde(flatten)]
     pub bracket: Bracket,
-    /// Its distance from that with half as many cells, m/s.
+    /// Distance of the middle of the bracket from that with half as many cells, m/s.
     pub resolution_m_s: f64,
 }
 
@@ -72,24 +74,26 @@ impl OnGrid {
     }
 }
 
-/// The critical velocity of a curve by simulation.
+/// Critical velocity of a curve by simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Confirmation {
-    /// By front tracking. Above the critical velocity the bar does not follow its end.
+    /// Bracket from front tracking. Above the critical velocity the bar does not follow its end.
     pub fronts: Bracket,
-    /// By the leapfrog scheme. The bar breaks if the strain of its first four cells exceeds that of the largest stress.
+    /// Bracket from the leapfrog scheme. The bar fractures if the strain of any of its first four cells exceeds that of the largest stress.
     pub grid: OnGrid,
-    /// Half as many cells give the same bracket, but for 1 %.
+    /// Whether the grid has converged: half as many cells change the critical velocity by at most 1 %.
     pub converged: bool,
-    /// The grid has converged, and the integral lies in both brackets, give or take their widths and the change with half as many cells.
+    /// Whether the grid has converged and the integral lies in both brackets. The tolerance is the width of a bracket, for the grid plus the change
+    /// from half as many cells.
     pub confirmed: bool,
 }
 
-/// Brackets the critical velocity of a material's curve by simulation; none where it has none. The bars run for one transit of the
-/// elastic wave. The search starts from bounds that do not use the integral: 0, and `sqrt(stress strain/density)` of the ultimate point.
+/// Brackets the critical velocity of a material's curve by simulation. Returns `None` if the curve has no critical velocity. The bars are simulated
+/// for one elastic transit time. The initial bounds of the search do not use the integral: 0, and `sqrt(stress strain/density)` of the ultimate
+/// point.
 ///
 /// # Errors
-/// As [`Material::check`].
+/// As for [`Material::check`].
 pub fn confirm(material: &Material, sense: Sense) -> Result<Option<Confirmation>> {
     material.check()?;
     let ultimate = material.branch(sense).ultimate();
@@ -97,7 +101,7 @@ pub fn confirm(material: &Material, sense: Sense) -> Result<Option<Confirmation>
     Ok(at.map(|(velocity, ultimate)| confirmed(material, sense, velocity, ultimate)))
 }
 
-/// The brackets beside this critical velocity (m/s), that of a material's ultimate point.
+/// Computes the brackets and compares them with `velocity` (m/s), the critical velocity of the ultimate point.
 fn confirmed(material: &Material, sense: Sense, velocity: f64, ultimate: Ultimate) -> Confirmation {
     let most = 1.001 * (ultimate.stress * ultimate.strain / material.density).sqrt();
     let material = Arc::new(material.clone());
@@ -113,7 +117,7 @@ fn confirmed(material: &Material, sense: Sense, velocity: f64, ultimate: Ultimat
     Confirmation { fronts, grid: on, converged, confirmed }
 }
 
-/// Effects beyond the static curve.
+/// Effects that are simulated in addition to the quasi-static curve.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct RateAndHeat {
     /// The material's own rate law.
@@ -122,42 +126,42 @@ pub struct RateAndHeat {
     pub heat: bool,
 }
 
-/// The apparent critical velocity with a rate law or heating.
+/// Apparent critical velocity with a rate law or heating.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Apparent {
-    /// What it means.
+    /// Definition of the apparent critical velocity.
     pub definition: &'static str,
-    /// Effects that are simulated.
+    /// Simulated effects.
     pub effects: Vec<String>,
     /// Length of the bar, m.
     pub length_m: f64,
-    /// Strain that must not be exceeded at the driven end.
+    /// Strain at the driven end above which the bar counts as fractured.
     pub strain_limit: f64,
-    /// By the integral over the adiabatic curve, with heat and without a rate, m/s.
+    /// Integral over the adiabatic curve, m/s; only with heating and without a rate law.
     pub adiabatic_m_s: Option<f64>,
-    /// By simulation.
+    /// Bracket by simulation.
     pub grid: OnGrid,
 }
 
-/// The definition of [`Apparent`]. Strains are measured over a length, since the first cell alone has an error of its own where the rate
-/// law is faster than a time step.
+/// Definition of [`Apparent`]. The strain is averaged over a length, because the first cell alone has an error of its own if the rate law relaxes
+/// within less than a time step.
 pub const DEFINITION: &str = "the lowest constant velocity of the end at which the mean strain of the first 1 % of the bar \
                               exceeds the strain of the largest static stress before the elastic wave returns from the far end \
                               (2 L/c0)";
 
-/// Lengths of a bar, m.
+/// Allowed lengths of a bar, m.
 const LENGTHS: Allowed = Allowed::Within(1e-3, 1e3);
 
-/// The length of the bar of [`apparent`], m.
+/// Checks the length of the bar of [`apparent`], m.
 pub(crate) fn check_length(length: f64) -> Checked {
     member("length", length, Dimension::Length, LENGTHS)
 }
 
-/// The apparent critical velocity of a bar of `length` (m, 1e-3 to 1e3), by simulation; none where the static curve has no critical velocity.
-/// Where heat is asked for, the material is heated here, unless it is already.
+/// Computes the apparent critical velocity of a bar of `length` (m, 1e-3 to 1e3) by simulation. Returns `None` if the quasi-static curve has no
+/// critical velocity. With heating, the adiabatic curves are computed here unless the material already has them.
 ///
 /// # Errors
-/// A length out of range; as [`Material::check`]; a material without the constants of a rate law, or of heating, that is asked for.
+/// A length out of range; an error of [`Material::check`]; missing constants of a requested rate law or of requested heating.
 pub fn apparent(material: &Material, sense: Sense, with: RateAndHeat, length: f64) -> Result<Option<Apparent>> {
     check_length(length)?;
     material.check()?;
@@ -165,7 +169,7 @@ pub fn apparent(material: &Material, sense: Sense, with: RateAndHeat, length: f6
     Ok(strain_limit(material, sense).and_then(|limit| bracketed(&heated, sense, with, length, limit)))
 }
 
-/// The material as it is simulated.
+/// Returns the material as it is simulated: with adiabatic curves if heating is requested.
 fn with_constants(material: &Material, with: RateAndHeat) -> Result<Cow<'_, Material>> {
     let of_material = |error: InputError| {
         let message = format!("`{}`: {}", material.name, error.message);
@@ -182,14 +186,14 @@ fn with_constants(material: &Material, with: RateAndHeat) -> Result<Cow<'_, Mate
     Ok(Cow::Owned(heated))
 }
 
-/// Strain of the largest static stress.
+/// Returns the strain of the largest quasi-static stress; for a heated material, of its isothermal curve.
 fn strain_limit(material: &Material, sense: Sense) -> Option<f64> {
     let cold = material.heating.as_ref().map_or(&[][..], |heating| &heating.cold[..]);
     let own = cold.get(usize::from(sense == Sense::Compression)).or(cold.first());
     similarity::critical(own.unwrap_or_else(|| material.branch(sense)), material.density).map(|c| c.strain)
 }
 
-/// By simulation of the material as it is; `limit` is the strain of the largest static stress.
+/// Brackets the apparent critical velocity of a material. `limit` is the strain of the largest quasi-static stress.
 fn bracketed(material: &Material, sense: Sense, with: RateAndHeat, length: f64, limit: f64) -> Option<Apparent> {
     let ultimate = material.branch(sense).ultimate()?;
     let effects = Effects {
@@ -216,10 +220,10 @@ fn bracketed(material: &Material, sense: Sense, with: RateAndHeat, length: f64, 
     })
 }
 
-/// Length of the bar where it does not matter, m.
+/// Length of the bar in simulations whose result does not depend on it, m.
 const LENGTH: f64 = 1.0;
 
-/// A bar on a grid: cells, length (m), and how many transits of the elastic wave it runs.
+/// Discretization of a bar: cells, length (m), and simulated time in elastic transit times.
 struct Grid {
     cells: usize,
     length: f64,
@@ -236,7 +240,7 @@ fn grid_bracket(material: &Arc<Material>, effects: &Effects, sense: Sense, grid:
     widening(most, |v| largest(strains_at_end(material, effects, sense, grid, (v, 4))) <= limit)
 }
 
-/// A bracket between 0 and `most`, or above where the bar holds there, too.
+/// Returns a bracket between 0 and `most`. If the bar holds at `most`, the upper bound is doubled up to six times.
 fn widening(most: f64, holds: impl Fn(f64) -> bool) -> Bracket {
     let (mut low, mut high) = (0.0, most);
     for _ in 0..6 {
@@ -256,18 +260,18 @@ fn bisect([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> Bracket
     Bracket { holds_m_s: low, breaks_m_s: high }
 }
 
-/// Tracked fronts: behind the last one the bar has the velocity of its end.
+/// Returns whether the bar follows its end in front tracking: behind the last front it has the velocity of the end.
 fn follows(material: &Arc<Material>, sense: Sense, velocity: f64) -> bool {
     let effects = Effects { hardening: Some(HardeningRule::Isotropic), ..Effects::default() };
     let scene = scene(material, effects, sense, &Grid { cells: CELLS, length: LENGTH, transits: 1.0 }, velocity);
     let mut bar = assemble::front_tracking(&scene, Settings::default());
-    // Without reflections there are no more events than fronts: the budget is never used up.
+    // Without reflections there are at most as many events as fronts, so the event limit is never reached.
     let arrived = bar.advance_to(scene.solve.until).is_ok();
     let moves = bar.pieces().next().map_or(0.0, |piece| piece.point.velocity.abs());
     arrived && moves >= velocity * (1.0 - SLIP)
 }
 
-/// A bar whose end is to move with a velocity, and the steps of its run.
+/// Returns a bar whose end is driven at `velocity`, and the number of steps of its run.
 fn moving_bar(
     material: &Arc<Material>,
     effects: &Effects,
@@ -281,7 +285,8 @@ fn moving_bar(
     (bar, steps)
 }
 
-/// Strains of so many cells next to the end after the run at a velocity, magnitudes: what waves cannot carry away stays there.
+/// Returns the magnitudes of the strain in the `cells` cells next to the end after a run at `velocity`. Strain that waves cannot carry away
+/// accumulates there.
 fn strains_at_end(
     material: &Arc<Material>,
     effects: &Effects,
@@ -294,7 +299,8 @@ fn strains_at_end(
     (0..cells).map(|cell| bar.value(Quantity::Strain, cell).abs()).collect()
 }
 
-/// Largest mean strain of so many cells next to the end during the run at a velocity: the wave that comes back unloads them in its last steps.
+/// Returns the largest mean strain of the `cells` cells next to the end during a run at `velocity`. The largest value is used, because the wave
+/// reflected from the far end unloads these cells in the last steps.
 fn largest_mean(
     material: &Arc<Material>,
     effects: &Effects,
@@ -310,7 +316,7 @@ fn largest_mean(
     (0..steps).map(mean_after_step).fold(0.0, f64::max)
 }
 
-/// A bar at rest whose left end is driven at a constant velocity.
+/// Returns a scene with a bar at rest whose left end is driven at a constant velocity.
 fn scene(material: &Arc<Material>, effects: Effects, sense: Sense, grid: &Grid, velocity: f64) -> Scene {
     let segment = Segment::new(grid.length, 1.0, Arc::clone(material));
     let until = grid.transits * grid.length / material.c0();

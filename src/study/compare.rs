@@ -1,4 +1,4 @@
-//! Comparison of materials: curve, front speed and impact velocity against strain.
+//! Comparison of materials: stress, front speed and impact velocity as functions of strain.
 
 use serde::Serialize;
 
@@ -9,30 +9,29 @@ use crate::wave::similarity;
 /// One material of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Compared {
-    /// Critical velocity, and its criterion.
+    /// Critical velocity and its criterion.
     pub critical: CriticalRow,
     /// Elastic modulus, Pa.
     #[serde(rename = "modulus_Pa")]
     pub modulus_pa: f64,
     /// Elastic wave speed, m/s.
     pub elastic_speed_m_s: f64,
-    /// The knots of the curve, from the origin on.
+    /// Knots of the curve, starting at the origin.
     pub curve: Vec<CurvePoint>,
-    /// Impact velocity against the strain behind the wave, up to the ultimate point or the last knot: the knots,
-    /// the places where the stress comes back after a drop, and points between, since the velocity is not straight
-    /// there.
+    /// Impact velocity as a function of the strain behind the wave, up to the ultimate point or the last knot. The points are the knots, the points
+    /// at which the stress recovers after a drop, and intermediate points, because the velocity does not vary linearly between the knots.
     pub loading: Vec<LoadingPoint>,
-    /// Speed of the last front of a bar loaded to 1 %, m/s, up to the ultimate point or the last knot.
+    /// Speed of the last front in a bar loaded to a strain of 1 %, m/s; `None` beyond the ultimate point or the last knot.
     #[serde(rename = "wave_speed_1_percent_m_s")]
     pub speed_at_1_percent: Option<f64>,
-    /// The same for 10 %.
+    /// Speed of the last front in a bar loaded to a strain of 10 %, m/s; `None` beyond the ultimate point or the last knot.
     #[serde(rename = "wave_speed_10_percent_m_s")]
     pub speed_at_10_percent: Option<f64>,
-    /// Fronts that load the bar to the ultimate point, or to the last knot where there is none; fastest first.
+    /// Fronts that load the bar to the ultimate point, or to the last knot if there is none; fastest first.
     pub fronts: Vec<similarity::Edge>,
 }
 
-/// One knot.
+/// One knot of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CurvePoint {
     /// Engineering strain.
@@ -40,19 +39,19 @@ pub struct CurvePoint {
     /// Engineering stress, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress_pa: f64,
-    /// Impact velocity that loads a long bar to this strain, m/s; past the ultimate point none does.
+    /// Impact velocity that loads a long bar to this strain, m/s; `None` beyond the ultimate point.
     pub impact_velocity_m_s: Option<f64>,
-    /// Speed of the last front of a bar loaded to this strain, m/s: of a shock where the curve stiffens, 0 where the stress does not rise; past the
-    /// ultimate point there is none. At the origin: the elastic precursor's.
+    /// Speed of the last front in a bar loaded to this strain, m/s: that of a shock if the curve stiffens, 0 if the stress does not increase. At the
+    /// origin it is the speed of the elastic precursor. `None` beyond the ultimate point.
     pub wave_speed_m_s: Option<f64>,
 }
 
-/// One impact.
+/// Impact that loads a bar to a given strain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoadingPoint {
     /// Engineering strain behind the last front.
     pub strain: f64,
-    /// m/s.
+    /// Impact velocity, m/s.
     pub impact_velocity_m_s: f64,
     /// Speed of the last front, m/s.
     pub wave_speed_m_s: f64,
@@ -97,14 +96,14 @@ fn one(material: &Material, sense: Sense) -> Compared {
     }
 }
 
-/// Speed of the last front of a bar loaded to a strain, m/s; for 0, of the first.
+/// Returns the speed of the last front in a bar loaded to a strain, m/s; for strain 0, that of the first front.
 fn last_speed(curve: &Curve, density: f64, strain: f64) -> f64 {
     let to = if strain > 0.0 { strain } else { curve.strain()[1] };
     similarity::hull(curve, density, to).last().map_or(0.0, |front| front.speed)
 }
 
-/// Strains up to `end`: the knots of the running maximum and, between them, points at most a hundredth of the
-/// range apart, denser after a knot, where the velocity can start like a square root.
+/// Returns strains up to `end`: the knots of the running maximum and, between them, points whose mean distance is at most a hundredth of the range.
+/// They are denser after a knot, where the velocity can increase like a square root.
 fn loading_strains(curve: &Curve, end: f64) -> Vec<f64> {
     let loading = curve.running_maximum();
     let mut strains = vec![0.0];
@@ -122,7 +121,7 @@ mod tests {
     use super::*;
     use crate::material::Beyond;
 
-    /// The speed was that of the shock to the end of the table, 358 m/s at a strain of 10 %.
+    /// The speed must not be that of the shock to the end of the table, 358 m/s at a strain of 10 %.
     #[test]
     fn speeds_are_those_of_bars_loaded_to_the_strain_where_the_curve_stiffens() {
         let (density, modulus) = (7850.0_f64, 200e9);

@@ -1,7 +1,7 @@
-//! Comparison of result files: norms of their differences, and the positions of the largest ones.
+//! Comparison of result files: norms of their differences, and the positions of the largest differences.
 //!
-//! The samples and frames of the first file that lie within the bars and times of both are the common grid. The other file is interpolated
-//! there, linearly in x and in time; a front that moves between two frames is therefore smeared over both.
+//! The common grid consists of the samples and frames of the first file that lie within the bars and times of both files. The other file is
+//! interpolated to it linearly in x and in time. A front that moves between two frames is therefore smeared over both.
 
 use std::path::PathBuf;
 
@@ -12,12 +12,12 @@ use crate::error::{InputError, Result};
 use crate::record::store::{ResultFile, Side};
 use crate::record::{Field, Trace};
 
-/// A norm of the difference, and relative to that of the first file.
+/// Norm of a difference, absolute and relative to the norm of the first file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Norm {
-    /// In the unit of the field.
+    /// Norm in the unit of the field.
     pub value: f64,
-    /// Over the same norm of the first file; none where that is 0.
+    /// Ratio to the same norm of the first file; `None` if that is 0.
     pub relative: Option<f64>,
 }
 
@@ -27,7 +27,7 @@ impl Norm {
     }
 }
 
-/// Norms of a difference: means over x and t (L1), roots of mean squares (L2), largest values.
+/// Norms of a difference: means over x and t (L1), root mean squares (L2) and largest values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Norms {
     /// Mean of |b - a|.
@@ -38,66 +38,66 @@ pub struct Norms {
     pub max: Norm,
 }
 
-/// Where a field differs most.
+/// Position and time of the largest difference of a field.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Place {
-    /// s.
+    /// Time, s.
     pub time_s: f64,
-    /// m from the left end.
+    /// Distance from the left end, m.
     pub x_m: f64,
-    /// In the first file.
+    /// Value in the first file.
     pub first: f64,
-    /// In the other.
+    /// Value in the other file.
     pub other: f64,
 }
 
-/// The difference of one field.
+/// Difference of one field.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldDifference {
-    /// The field.
+    /// Field that is compared.
     pub field: Field,
-    /// SI.
+    /// SI unit of the field.
     pub units: &'static str,
-    /// Over x and t.
+    /// Norms over x and t.
     #[serde(flatten)]
     pub norms: Norms,
-    /// Where it is largest.
+    /// Position and time of the largest difference.
     pub largest: Place,
-    /// L2 over x at every common time: (s, unit of the field).
+    /// L2 norm over x at each common time: (time in s, norm in the unit of the field).
     #[serde(skip)]
     pub history: Vec<(f64, f64)>,
 }
 
-/// The difference of a history at a gauge or an end: of its stress.
+/// Difference of a stress history at a gauge or an end.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TraceDifference {
-    /// Of the gauge, or "left end", "right end".
+    /// Name of the gauge, or "left end", "right end".
     pub name: String,
-    /// Over time, Pa.
+    /// Norms over time, Pa.
     #[serde(flatten)]
     pub norms: Norms,
-    /// When the difference is largest, s.
+    /// Time of the largest difference, s.
     pub largest_at_s: f64,
 }
 
-/// What one file differs by from the first.
+/// Differences of a file from the first one.
 #[derive(Debug, Clone, Serialize)]
 pub struct Difference {
-    /// The other file.
+    /// Path of the other file.
     pub file: PathBuf,
-    /// Its title.
+    /// Title of the other file.
     pub title: String,
     /// Common part of the bars, m.
     pub x_m: [f64; 2],
-    /// Common times, s.
+    /// Common range of times, s.
     pub time_s: [f64; 2],
-    /// Samples and frames of the common grid.
+    /// Numbers of samples and frames of the common grid.
     pub grid: [usize; 2],
-    /// Fields that both have.
+    /// Differences of the fields that both files have.
     pub fields: Vec<FieldDifference>,
-    /// Gauges of one name, and the ends.
+    /// Differences of the stress histories at gauges of the same name and position, and at the ends.
     pub histories: Vec<TraceDifference>,
-    /// What is not compared.
+    /// Notes on what is not compared, or only in part.
     pub notes: Vec<String>,
 }
 
@@ -117,11 +117,11 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Ends of the bar: samples are centres of even cells.
+    /// Returns the ends of the bar, m. The samples are the centres of equal cells.
     fn bar(&self) -> [f64; 2] {
         let (first, last) = (self.x[0], self.x[self.x.len() - 1]);
         let half = 0.5 * (last - first) / (self.x.len().max(2) - 1) as f64;
-        // A start at zero but for the rounding of the centres is one at zero.
+        // A start that differs from zero only by the rounding of the cell centres is set to zero.
         let start = first - half;
         [if start.abs() < 1e-9 * (last - first) { 0.0 } else { start }, last + half]
     }
@@ -131,7 +131,7 @@ impl Grid {
     }
 }
 
-/// Rounding of times that scenes give in other units: so much in frames up to `last` (s).
+/// Returns the rounding error of frame times up to `last` (s), which scenes may state in other units.
 fn slack(last: f64) -> f64 {
     1e-9 * last.abs()
 }
@@ -140,10 +140,10 @@ fn common(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0].max(b[0]), a[1].min(b[1])]
 }
 
-/// Differences of result files from the first one.
+/// Compares result files with the first one.
 ///
 /// # Errors
-/// A file without a bar or frames, bars in torsion beside others, or bars or times without a common part.
+/// A file has no bar or no frames, only some of the bars are in torsion, or the bars or times have no common part.
 pub fn compare_results(files: &[ResultFile]) -> Result<Vec<Difference>> {
     files.iter().try_for_each(ResultFile::needs_bar)?;
     let Some((first, others)) = files.split_first() else { return Ok(Vec::new()) };
@@ -220,17 +220,17 @@ fn notes(first: &ResultFile, other: &ResultFile, [a, b]: [&Grid; 2]) -> Vec<Stri
     notes
 }
 
-/// Distance of a value from the nearest of an increasing list.
+/// Returns the distance of a value from the nearest value in an increasing list.
 fn apart(value: f64, list: &[f64]) -> f64 {
     let next = list.partition_point(|&other| other < value);
     let near = list[next.saturating_sub(1)..(next + 1).min(list.len())].iter();
     near.map(|other| (other - value).abs()).fold(f64::INFINITY, f64::min)
 }
 
-/// A field along the bar at a time (s) between its first and last frame, interpolated between the frames as in comparisons.
+/// Returns a field along the bar at `time` (s), which is interpolated linearly between frames as in comparisons.
 ///
 /// # Errors
-/// A time without frames around it; a file that cannot be read.
+/// A time outside the range of the frames; a file that cannot be read.
 pub fn profile_at(file: &ResultFile, field: Field, time: f64) -> Result<Vec<f64>> {
     let times = file.time()?;
     let [first, last] = [times.first(), times.last()].map(|end| end.copied().unwrap_or(f64::NAN));
@@ -246,7 +246,7 @@ pub fn profile_at(file: &ResultFile, field: Field, time: f64) -> Result<Vec<f64>
     Ok(pair)
 }
 
-/// Sums of a norm.
+/// Weighted sums for the norms of the difference (index 0) and of the first file (index 1).
 #[derive(Default)]
 struct Sums {
     weight: f64,
@@ -256,7 +256,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds a value of the first file and its difference.
+    /// Adds a value of the first file and the difference of the other file from it.
     fn add(&mut self, weight: f64, value: f64, difference: f64) {
         self.weight += weight;
         for (k, size) in [difference.abs(), value.abs()].into_iter().enumerate() {
@@ -312,7 +312,7 @@ fn of_field(field: Field, a: Values<'_>, b: Values<'_>, rows: &[usize], columns:
     found
 }
 
-/// Weight of a frame in means over time (trapezoidal rule); frames alone count fully.
+/// Returns the weight of a frame in means over time (trapezoidal rule); 1 for a single frame.
 fn step(time: &[f64], row: usize, rows: &[usize]) -> f64 {
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     if first == last {
@@ -321,10 +321,10 @@ fn step(time: &[f64], row: usize, rows: &[usize]) -> f64 {
     0.5 * (time[(row + 1).min(last)] - time[row.max(first + 1) - 1])
 }
 
-/// Place of a value between two neighbours of an increasing list.
+/// Position of a value between two neighbours in an increasing list.
 struct Between {
     low: usize,
-    /// 1, or 0 at the end of the list.
+    /// Offset of the upper neighbour: 1, or 0 outside the range of the list.
     step: usize,
     part: f64,
 }
@@ -344,7 +344,7 @@ impl Between {
     }
 }
 
-/// Stress histories that both files have.
+/// Compares the stress histories that both files have.
 fn histories(first: &ResultFile, other: &ResultFile, span: [f64; 2]) -> Result<Vec<TraceDifference>> {
     let mut all = Vec::new();
     let others = other.gauges()?;
@@ -359,7 +359,7 @@ fn histories(first: &ResultFile, other: &ResultFile, span: [f64; 2]) -> Result<V
     Ok(all)
 }
 
-/// At the middles between the times of both, so that jumps, two rows at one time, fall between.
+/// Compares two stress histories at the midpoints between the times of both, so that jumps (two rows at one time) lie between the sampled times.
 fn of_traces(name: &str, a: &Trace, b: &Trace, span: [f64; 2]) -> Option<TraceDifference> {
     let within = |t: &&f64| (span[0]..=span[1]).contains(*t);
     let mut times: Vec<f64> = a.time.iter().chain(&b.time).filter(within).copied().collect();

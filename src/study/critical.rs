@@ -1,33 +1,33 @@
-//! Critical impact velocities of materials, from their curves alone.
+//! Critical impact velocities of materials, computed from their curves alone.
 
 use serde::Serialize;
 
 use crate::material::{Beyond, Curve, Material, Sense, UltimateReason};
 use crate::wave::similarity;
 
-/// The critical impact velocity of one material from its curve.
+/// Critical impact velocity of one material, computed from its curve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CriticalRow {
     /// Name of the material.
     pub material: String,
-    /// kg/m^3.
+    /// Density.
     pub density_kg_m3: f64,
     /// Sense of the loading.
     pub sense: Sense,
-    /// m/s; none where the data hold none.
+    /// Critical velocity, m/s; `None` if the curve has no ultimate point, see `reason`.
     pub critical_velocity_m_s: Option<f64>,
-    /// Engineering strain on which it rests.
+    /// Engineering strain at the ultimate point, up to which the critical velocity is integrated.
     pub strain_at_max: Option<f64>,
-    /// Engineering stress there, Pa.
+    /// Engineering stress at the ultimate point, Pa.
     #[serde(rename = "stress_at_max_Pa")]
     pub stress_at_max_pa: Option<f64>,
     /// Impact velocity at which the curve leaves the elastic line, m/s: `sigma_y/(rho c0)`.
     pub yield_velocity_m_s: f64,
-    /// "maximum-stress", "rupture-strain", or why there is no critical velocity.
+    /// Criterion: "maximum-stress" or "rupture-strain", or the reason why there is no critical velocity.
     pub reason: String,
 }
 
-/// The critical velocity of one material in one sense of loading.
+/// Computes the critical velocity of one material in one sense of loading.
 pub fn critical(material: &Material, sense: Sense) -> CriticalRow {
     let curve = material.branch(sense);
     let found = similarity::critical(curve, material.density);
@@ -43,7 +43,7 @@ pub fn critical(material: &Material, sense: Sense) -> CriticalRow {
     }
 }
 
-/// The word for a reason in JSON and tables.
+/// Returns the name of a criterion in JSON and tables.
 pub fn words(reason: UltimateReason) -> &'static str {
     match reason {
         UltimateReason::MaximumStress => "maximum-stress",

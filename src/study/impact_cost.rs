@@ -1,4 +1,4 @@
-//! Cost of accuracy of an impact without waves in a bar: error against modes and against steps.
+//! Cost of accuracy of an impact without waves in a bar: error as a function of the number of modes and of the time steps.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -9,69 +9,69 @@ use crate::error::{Error, InputError, Result};
 use crate::impact::{Numerics, Problem, Solution};
 use crate::scene::ImpactScene;
 
-/// Modes that are tried, and those of their reference.
+/// Numbers of modes that are tested, and that of their reference.
 const MODES: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 const REFERENCE_MODES: usize = 256;
-/// Modes of the runs with different steps.
+/// Number of modes in the runs with different steps.
 const MODES_OF_STEPS: usize = 64;
-/// Step tolerances that are tried.
+/// Step tolerances that are tested.
 const TOLERANCES: [f64; 8] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9];
-/// Of their reference, and of all runs with different modes.
+/// Step tolerance of their reference, and of all runs with different numbers of modes.
 const REFERENCE_TOLERANCE: f64 = 1e-11;
-/// Figures that are compared; velocities and restitution by their difference, the others relative.
+/// Figures that are compared: the restitution by its difference, the others by their relative difference.
 const COMPARED: [&str; 4] = ["peak_force", "contact_duration", "impulse", "restitution"];
-/// Errors below this are those of the reference.
+/// Errors below this value are those of the reference and are not fitted.
 const FLOOR: f64 = 1e-9;
 
-/// A cost study of an impact.
+/// Cost study of an impact.
 #[derive(Debug, Clone, Serialize)]
 pub struct ImpactCost {
     /// Scene title.
     pub scene: String,
-    /// What the errors are against.
+    /// Reference of the errors.
     pub reference: String,
-    /// What is compared.
+    /// Quantities that are compared.
     pub measure: String,
-    /// One for each run.
+    /// One point for each run.
     pub points: Vec<ImpactPoint>,
     /// Slopes of log error over log modes and log steps.
     pub orders: Vec<ImpactOrder>,
-    /// Stopped before all points were there.
+    /// Whether the study was stopped before all points were finished.
     pub interrupted: bool,
 }
 
 /// A run.
 #[derive(Debug, Clone, Serialize)]
 pub struct ImpactPoint {
-    /// "modes" or "steps".
+    /// Parameter that varies: "modes" or "steps".
     pub varied: &'static str,
-    /// Modes of the struck body; null where it has none.
+    /// Modes of the struck body; null if it has none.
     pub modes: Option<usize>,
-    /// Largest defect of Hertz's law in a step, relative to the largest force.
+    /// Largest residual of Hertz's law in a step, relative to the largest force.
     pub tolerance: f64,
-    /// Time steps in contact.
+    /// Number of time steps in contact.
     pub steps: usize,
     /// Largest difference of the compared figures.
     pub error: f64,
-    /// s.
+    /// Computing time.
     pub wall_s: f64,
 }
 
-/// A fitted order.
+/// A fitted order of convergence.
 #[derive(Debug, Clone, Serialize)]
 pub struct ImpactOrder {
-    /// "modes" or "steps".
+    /// Parameter that varies: "modes" or "steps".
     pub varied: &'static str,
-    /// Minus the slope.
+    /// Order: the negative slope.
     pub order: f64,
-    /// Points that the line goes through.
+    /// Number of fitted points.
     pub points: usize,
 }
 
-/// Runs the study; `progress` receives the current step and can stop it.
+/// Runs the study. `progress` receives the parameter that varies and the completed fraction, and can stop the study.
 ///
 /// # Errors
-/// An [`InputError`] for a scene that is solved in closed form.
+/// An [`InputError`] for a scene that is solved in closed form; [`Error::Interrupted`] if the study is stopped before its first point.
 pub fn impact_cost(scene: &ImpactScene, progress: &mut dyn FnMut(&str, f64) -> ControlFlow<()>) -> Result<ImpactCost> {
     let Some(given) = scene.problem.numerics() else {
         let message = "this scene is solved in closed form: it has no numerical parameter and no error";
@@ -131,7 +131,7 @@ pub fn impact_cost(scene: &ImpactScene, progress: &mut dyn FnMut(&str, f64) -> C
     })
 }
 
-/// A solution and the time that it took; none where it was broken off.
+/// Returns a solution and its computing time, s, or `None` if it was interrupted.
 fn timed(
     problem: &dyn Problem,
     progress: &mut dyn FnMut(&str, f64) -> ControlFlow<()>,
@@ -152,7 +152,8 @@ fn difference(solution: &Solution, reference: &Solution) -> f64 {
     COMPARED.iter().filter_map(one).filter(|difference| difference.is_finite()).fold(0.0, f64::max)
 }
 
-/// The least-squares slope of log error over log modes or steps, of points above the floor and in the range where the error falls.
+/// Fits the slope of log error over log modes or steps by least squares, using points with errors between [`FLOOR`] and 0.1, where the error
+/// decreases.
 fn order(varied: &'static str, points: &[ImpactPoint]) -> Option<ImpactOrder> {
     let of = |p: &&ImpactPoint| p.varied == varied && p.error > FLOOR && p.error < 0.1;
     let logs = |p: &ImpactPoint| {

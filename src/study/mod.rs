@@ -1,4 +1,4 @@
-//! Studies of curves and runs.
+//! Studies of materials, scenes and results: critical velocities, comparisons, cost of accuracy, sweeps and inversion of measurements.
 
 pub mod bracket;
 pub mod compare;

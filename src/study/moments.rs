@@ -1,6 +1,6 @@
 //! Mean and standard deviation of samples.
 
-/// Mean and standard deviation; none of fewer than two values.
+/// Returns the mean and the sample standard deviation (divisor n - 1), or `None` for fewer than two values.
 pub(super) fn moments(values: impl Iterator<Item = f64> + Clone) -> Option<(f64, f64)> {
     let count = values.clone().count();
     if count < 2 {

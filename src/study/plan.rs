@@ -1,4 +1,4 @@
-//! Method, work and estimates of a run, before it.
+//! Method, work and estimates of a run, before it is started.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ use crate::solver::fd::{DistributedForces, Grid, TAPER_BYTES_PER_CELL};
 use crate::solver::moc::{FrontTracking, Settings};
 use crate::solver::net::{self, Net};
 
-/// The plan of a scene. Keys are those of `barwave plan --json`.
+/// Plan of a scene. Keys are those of `barwave plan --json`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Plan {
     /// Scene title.
@@ -26,55 +26,55 @@ pub struct Plan {
     pub method: String,
     /// "leapfrog", "front-tracking" or "characteristic-net".
     pub scheme: String,
-    /// What is simulated, what is not, and why.
+    /// Simulated and neglected effects, with reasons.
     pub effects: Vec<PlannedEffect>,
-    /// How a tolerance is met; null where the scene names its method.
+    /// How the tolerance is met; null if the scene names its method.
     pub choice: Option<PlannedChoice>,
-    /// What `effects = "auto"` chose so far; the audit of the run may add to it. Left out where the scene names its effects.
+    /// Initial selection of `effects = "auto"`; the audit of the run may extend it. Omitted if the scene names its effects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auto: Option<Vec<AutoChoice>>,
-    /// What the method takes; its keys stand beside the others.
+    /// Work of the method; its keys are at the same level as the others.
     #[serde(flatten)]
     pub work: Work,
-    /// How long it takes on this machine; its keys stand beside the others.
+    /// Expected computing time on this machine; its keys are at the same level as the others.
     #[serde(flatten)]
     pub trial: Trial,
-    /// Fields before compression, bytes.
+    /// Size of the fields before compression, bytes.
     pub field_bytes: usize,
-    /// Fronts that the theory sends out at the start.
+    /// Fronts predicted to start at t = 0.
     pub fronts: Vec<FrontSummary>,
-    /// Of the struck material, m/s; null where the data hold none.
+    /// Critical velocity of the struck material, m/s; null if its curve has none.
     #[serde(rename = "critical_velocity_m_s")]
     pub critical_velocity: Option<f64>,
-    /// The scene drives the bar beyond it; not foreseen with an initial state.
+    /// Whether the scene drives the bar above its critical velocity; not predicted for a bar with an initial state.
     pub above_critical: bool,
-    /// The bar is stressed or has yielded at t = 0: its first waves are not foreseen.
+    /// Whether the bar is stressed or has yielded at t = 0; its first waves are then not predicted.
     pub initial_state: bool,
     /// Notes on problematic settings of the scene, one sentence each.
     pub notes: Vec<String>,
-    /// How tapered segments are cut into uniform pieces, by methods that do so.
+    /// Discretization of tapered segments into uniform pieces, for methods that need it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub staircase: Option<Staircase>,
-    /// The staircase that front tracking makes of an initial state that changes along the bar.
+    /// Discretization of an initial state that varies along the bar, for front tracking.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub initial_steps: Option<InitialSteps>,
 }
 
-/// The staircase of an initial state.
+/// Staircase approximation of an initial state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct InitialSteps {
-    /// Steps over the bar.
+    /// Number of steps along the bar.
     pub steps: usize,
-    /// The largest, relative to the largest size of its quantity; the mean error is a quarter of it at the most.
+    /// Largest step, relative to the largest magnitude of its quantity; the mean error is at most a quarter of it.
     pub largest: f64,
 }
 
-/// Tapered segments as uniform pieces.
+/// Discretization of tapered segments into uniform pieces.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Staircase {
     /// Pieces of the whole bar, uniform segments included.
     pub pieces: usize,
-    /// Largest part of a wave's force that a step between two pieces reflects.
+    /// Largest fraction of a wave's force that is reflected at a step between two pieces.
     pub reflects: f64,
 }
 
@@ -82,82 +82,82 @@ pub struct Staircase {
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 pub enum Work {
-    /// On a grid.
+    /// Methods on a grid.
     Grid {
-        /// Cells of the bar.
+        /// Number of cells of the bar.
         cells: usize,
         /// Time step, s.
         dt_s: f64,
-        /// Steps to the end time.
+        /// Number of steps to the end time.
         steps: usize,
-        /// Solver memory of a cell while it is elastic.
+        /// Solver memory per cell while it is elastic.
         bytes_per_elastic_cell: usize,
-        /// Solver memory of a cell after its block has yielded.
+        /// Solver memory per cell after its block has yielded.
         bytes_per_yielded_cell: usize,
-        /// Largest solver memory, bytes: the whole bar elastic or yielded, whichever takes more.
+        /// Largest solver memory, bytes: of the whole bar elastic or yielded, whichever is more.
         memory_bytes: usize,
-        /// Largest relative change of a segment's transit time, which is rounded so that waves cross a cell in a time step.
+        /// Largest relative change of a segment's transit time, which is rounded so that waves cross a cell in one time step.
         largest_transit_shift: f64,
-        /// Of a characteristic net only.
+        /// Further data of a characteristic net.
         #[serde(flatten)]
         net: Option<NetWork>,
     },
     /// Front tracking.
     Fronts {
-        /// Of the largest stress that the scene's data can reach.
+        /// Front tolerance, relative to `stress_scale`.
         front_tolerance: f64,
-        /// That stress.
+        /// Stress scale of the tolerance: the largest stress that the loads and the initial state can cause.
         #[serde(rename = "stress_scale_Pa")]
         stress_scale: f64,
-        /// Fronts that exist after t = 0.
+        /// Number of fronts just after t = 0.
         first_fronts: usize,
         /// Largest number of linear pieces of a curve.
         lines: usize,
-        /// Meetings that the run may take.
+        /// Largest number of front interactions of the run.
         event_budget: u64,
-        /// Solver memory of a front, bytes.
+        /// Solver memory per front, bytes.
         bytes_per_front: usize,
     },
 }
 
-/// What a characteristic net says of itself.
+/// Numerical properties of a characteristic net.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NetWork {
-    /// Malvern's k times the time step: above 1, fronts are as wide as the net makes them. Null for other laws.
+    /// Malvern's k times the time step. Above 1, the net determines the width of the fronts. Null for other laws.
     pub k_dt: Option<f64>,
 }
 
-/// What a tolerance comes to: method and resolution beside it are those from which the run would start.
+/// Selection of the method for a tolerance. The method and resolution of the plan are those from which the run would start.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlannedChoice {
-    /// What was asked for.
+    /// Requested tolerance.
     pub tolerance: f64,
-    /// Schemes that can do the scene.
+    /// Schemes that support the scene.
     pub schemes: Vec<String>,
-    /// Which one is chosen, and why.
+    /// Selected scheme, with the reason.
     pub how: String,
 }
 
 /// An effect in a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlannedEffect {
-    /// e.g. "plasticity".
+    /// Name or description, e.g. "plasticity".
     pub effect: String,
-    /// Simulated or not.
+    /// Whether it is simulated.
     pub on: bool,
-    /// Why.
+    /// Reason.
     pub why: String,
-    /// Estimated relative change of the stress that it makes; null where nothing is known, or nothing was asked.
+    /// Estimated relative change of the stress due to the effect; null if unknown or not estimated.
     pub estimate: Option<f64>,
-    /// Size from which it matters: the audit's tolerance; null beside no estimate.
+    /// Estimate above which the effect matters: the tolerance of the audit; null without an estimate.
     pub threshold: Option<f64>,
 }
 
-/// Time that the coarse runs of a plan may take: `tolerance`, `effects = "auto"` and the estimates of neglected effects.
+/// Time limit of the coarse runs of a plan, which `tolerance`, `effects = "auto"` and the estimates of neglected effects need.
 const LIMIT: Duration = Duration::from_millis(800);
 
-/// Makes the plan, with the effects that `effects = "auto"` would start with. Coarse runs that take longer than about a second are
-/// stopped, and the plan says what it does not know. The run itself is tried for some tenths of a second.
+/// Creates the plan of a scene, with the effects with which `effects = "auto"` would start. Coarse runs are stopped after about a second, and the
+/// plan then states what is unknown. The run itself is tried for some tenths of a second.
 pub fn plan(scene: &Scene) -> Plan {
     let started = Instant::now();
     let within =
@@ -203,7 +203,8 @@ pub fn plan(scene: &Scene) -> Plan {
     }
 }
 
-/// What a tolerance comes to: the scene with the method and resolution that its run would start from.
+/// Selects the method for a tolerance. Returns the scene with the method and resolution from which its run would start, or `None` if the scene names
+/// its method.
 fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Option<(Scene, PlannedChoice)> {
     let tolerance = scene.solve.tolerance.as_ref()?;
     let schemes: Vec<String> = tolerance.methods.iter().map(|m| m.names()[1].to_owned()).collect();
@@ -224,7 +225,7 @@ fn choose(scene: &Scene, within: &mut dyn FnMut(Progress) -> ControlFlow<()>) ->
     Some((chosen, PlannedChoice { tolerance: tolerance.value, schemes, how }))
 }
 
-/// Largest solver memory of a scene on a grid, bytes; 0 by front tracking.
+/// Returns the largest solver memory of a scene on a grid, bytes; 0 for front tracking.
 pub fn memory(scene: &Scene) -> usize {
     match work(scene).0 {
         Work::Grid { memory_bytes, .. } => memory_bytes,
@@ -232,7 +233,7 @@ pub fn memory(scene: &Scene) -> usize {
     }
 }
 
-/// The work by the scene's method, and its cells.
+/// Returns the work of the scene's method, and its cells.
 fn work(scene: &Scene) -> (Work, usize) {
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => {
@@ -250,13 +251,13 @@ fn work(scene: &Scene) -> (Work, usize) {
     }
 }
 
-/// Solver memory of a cell, elastic and once it flows, bytes; and what a net says of itself.
+/// Solver memory of a cell, bytes, elastic and after yielding, and the properties of a net.
 struct Cell {
     bytes: [usize; 2],
     net: Option<NetWork>,
 }
 
-/// The work on a grid, and its cells.
+/// Returns the work on a grid, and its cells.
 fn grid_work(scene: &Scene, grid: &Grid, cell: &Cell) -> (Work, usize) {
     let (cells, steps) = (grid.cells(), grid.steps_to(scene.solve.until));
     let [elastic, yielded] = cell.bytes;
@@ -276,14 +277,14 @@ fn grid_work(scene: &Scene, grid: &Grid, cell: &Cell) -> (Work, usize) {
 fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     let law = assemble::stepped_law(&scene.bar.segments[0], &scene.effects, grid.dt);
     let number = size_of::<f64>();
-    // A bar that can break keeps the work of its cells.
+    // In a bar that can fracture, each cell stores its plastic work.
     let work_kept = usize::from(scene.effects.rupture.is_some()) * number;
-    // Stress and velocity; then the law's state, and by how much the cell flows.
+    // Each cell stores stress and velocity; after yielding, also the state of the law and the flow of the latest step.
     let tapered = scene.bar.segments.iter().any(|segment| segment.taper.is_some());
     let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
     let along = assemble::along(&scene.bar, &scene.effects);
     let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], DistributedForces::bytes_per_cell);
-    // Elastic cells can be carried as two waves beside them; those that have yielded where the law tells that they are elastic again.
+    // Elastic cells can be stored as two waves in addition, and yielded cells too if the law states up to which stress they are elastic again.
     let waves = if along.is_none() && scene.effects.rupture.is_none() { 2 * number } else { 0 };
     let state = vec![0.0; law.law.state_len()];
     let waves_again = if law.law.elastic_up_to(law.yield_stress, &state) > 0.0 { waves } else { 0 };
@@ -305,7 +306,7 @@ fn net_cell(scene: &Scene, grid: &Grid) -> Cell {
 
 fn front_work(scene: &Scene, front_tolerance: f64, event_budget: u64) -> Work {
     let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
-    // What its start shows is worth a plan of its own.
+    // Constructing the bar determines the stress scale and the number of fronts.
     let start = assemble::front_tracking(scene, settings);
     let table = |s: &Segment, sense| Table::new(s.material.branch(sense), s.material.modulus).lines().len();
     let lines = |s| table(s, Sense::Tension).max(table(s, Sense::Compression));
@@ -358,7 +359,7 @@ fn effects(
     std::iter::once(plasticity(scene, initial_fans)).chain(Effects::KEYS.iter().map(planned)).collect()
 }
 
-/// Whether the first waves yield the bar. Reflections may do so later; only the run shows this.
+/// Returns whether the first waves yield the bar. Reflections may do so later, which only the run shows.
 fn plasticity(scene: &Scene, initial_fans: &[crate::bar::InitialFan]) -> PlannedEffect {
     let yields = initial_fans.iter().any(|l| {
         let material = &scene.bar.segments[l.segment].material;
@@ -415,7 +416,7 @@ fn off(scene: &Scene, key: &str, row: Option<&AuditRow>) -> PlannedEffect {
     }
 }
 
-/// What a run assumes without an effect.
+/// Returns the assumption that a run makes without an effect.
 fn without(key: &str, torsion: bool) -> &'static str {
     match key {
         "hardening" => "unloading follows the loading curve; the run reports if a yielded section unloads",

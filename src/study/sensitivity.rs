@@ -5,33 +5,34 @@ use serde::Serialize;
 use crate::material::{Beyond, Curve, Material, Sense};
 use crate::wave::similarity;
 
-/// Ends of the intervals behind the elastic one, engineering strain.
+/// Ends of the intervals beyond the elastic one, engineering strain.
 const ENDS: [f64; 14] = [0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
 
-/// What is left of an interval and shorter than this part of it is no interval of its own.
+/// Smallest remainder of a truncated interval, relative to its full length, that is kept as an interval of its own.
 const SHORT: f64 = 0.5;
 
-/// Relative change of the stress of which the sensitivities are made: small, since near the maximum the velocity answers like a root.
+/// Relative change of the stress for the finite differences. It is small because near the maximum the velocity depends on the stress like a square
+/// root.
 const CHANGE: f64 = 1e-3;
 const PERCENT: f64 = 0.01;
 
-/// An interval of strain and its part of the critical velocity.
+/// Strain interval and its contribution to the critical velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Interval {
-    /// Engineering strains between which it lies.
+    /// Engineering strain at the start of the interval.
     pub from: f64,
-    /// End.
+    /// Engineering strain at the end of the interval.
     pub to: f64,
-    /// The sum of c d eps over the fronts of the interval, m/s: these add up to the critical velocity.
+    /// Sum of c d eps over the fronts within the interval, m/s. The contributions add up to the critical velocity.
     pub contribution_m_s: f64,
-    /// The same over the critical velocity.
+    /// Contribution relative to the critical velocity.
     pub share: f64,
-    /// Derivative of the critical velocity with respect to the stress, m/s per 1 % of it, where the stress is raised in the middle of the
-    /// interval, and by a part that falls in straight lines to zero in the middles of its neighbours. From 0.1 % more and 0.1 % less.
+    /// Derivative of the critical velocity with respect to the stress, m/s per 1 % of stress. The change of stress is largest in the middle of the
+    /// interval and decreases linearly to zero at the middles of its neighbours. Central difference of changes by +0.1 % and -0.1 %.
     pub per_percent_of_stress_m_s: f64,
 }
 
-/// The intervals of a curve up to its ultimate point; none where there is no critical velocity. The first one ends at the elastic limit.
+/// Returns the intervals of a curve up to its ultimate point; empty if there is no critical velocity. The first interval ends at the elastic limit.
 pub fn sensitivity(material: &Material, sense: Sense) -> Vec<Interval> {
     let curve = material.branch(sense);
     let (Some(critical), Some(ultimate)) = (similarity::critical(curve, material.density), curve.ultimate()) else {
@@ -64,8 +65,8 @@ pub fn sensitivity(material: &Material, sense: Sense) -> Vec<Interval> {
     intervals.iter().enumerate().map(one).collect()
 }
 
-/// Ends of the intervals from the elastic limit to the ultimate strain. What either of these leaves of an interval between two of [`ENDS`]
-/// counts as part of the neighbour if it is short: how the velocity answers to an interval depends on how long it is.
+/// Returns the ends of the intervals from the elastic limit to the ultimate strain. A short remainder of an interval between two of [`ENDS`] is
+/// merged with its neighbour, because the sensitivity to an interval depends on its length.
 fn ends(limit: f64, ultimate: f64) -> Vec<f64> {
     let last = ENDS[ENDS.len() - 1];
     let starts = std::iter::once(0.0).chain(ENDS);
@@ -76,19 +77,20 @@ fn ends(limit: f64, ultimate: f64) -> Vec<f64> {
     elastic.into_iter().chain(kept.map(|((_, end), _)| end)).chain([ultimate]).collect()
 }
 
-/// The curve with its stress raised about the middle of interval `k`; over all intervals the weights add up to 1.
+/// Returns the curve with its stress increased around the middle of interval `k`. The weights of all intervals add up to 1.
 fn raised(curve: &Curve, middles: &[f64], k: usize, change: f64) -> Option<Curve> {
     let mut strains: Vec<f64> = curve.strain().iter().copied().chain(middles.iter().copied()).collect();
     strains.sort_by(f64::total_cmp);
     strains.dedup();
     let rows: Vec<(f64, f64)> =
         strains.into_iter().map(|e| (e, curve.stress_at(e) * (1.0 + change * weight(middles, k, e)))).collect();
-    // The ultimate point may move to the last row, where a curve without fracture has none.
+    // The ultimate point may move to the last row, where a curve that does not end by fracture has none.
     let beyond = if curve.beyond() == Beyond::Extend { Beyond::Extend } else { Beyond::Rupture };
     Curve::new(&rows, beyond).ok()
 }
 
-/// 1 in the middle of interval k, falling to 0 in the middles of its neighbours; 1 on the outer side of the first and the last.
+/// Returns the weight of interval `k` at a strain: 1 in its middle, 0 at the middles of its neighbours, linear in between. Outside the middles of the
+/// first and of the last interval the weight is 1.
 fn weight(middles: &[f64], k: usize, strain: f64) -> f64 {
     let middle = middles[k];
     let neighbour = if strain < middle { k.checked_sub(1).map(|j| middles[j]) } else { middles.get(k + 1).copied() };

@@ -1,4 +1,4 @@
-//! The uncertainty of a critical velocity from the scatter of repeated tests.
+//! Uncertainty of a critical velocity due to the scatter of repeated tests.
 
 use rand::SeedableRng;
 use rand_xorshift::XorShiftRng;
@@ -11,50 +11,51 @@ use super::random::standard_normal;
 use crate::material::{Beyond, Curve, Material, Scatter, Sense, TestCurve};
 use crate::wave::similarity;
 
-/// How specimens are drawn.
+/// Number and seed of the random specimens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bootstrap {
-    /// Specimens.
+    /// Number of specimens.
     pub resamples: usize,
     /// Seed of the random numbers; the result does not depend on the number of threads.
     pub seed: u64,
 }
 
-/// The critical velocity of one test.
+/// Critical velocity of one test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OfTest {
-    /// Name of its record.
+    /// Name of the record of the test.
     pub record: String,
-    /// m/s; none where the data hold none.
+    /// Critical velocity, m/s; `None` if the curve of the test has no ultimate point.
     pub critical_velocity_m_s: Option<f64>,
 }
 
-/// The critical velocity with its scatter.
+/// Statistics of the critical velocity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Uncertainty {
-    /// "tests" where there are curves of tests, "deviation" where the curve is moved by its standard deviation.
+    /// "tests" if the material has curves of single tests; "deviation" if its curve is shifted by multiples of its standard deviation.
     pub basis: &'static str,
     /// The tests; empty for a deviation.
     pub tests: Vec<OfTest>,
-    /// Mean of the tests, or of the moved curves, m/s; none where fewer than two have a critical velocity.
+    /// Mean of the tests or of the shifted curves, m/s; `None` if fewer than two have a critical velocity.
     pub mean_m_s: Option<f64>,
-    /// Standard deviation of single specimens, m/s; none where fewer than two have a critical velocity.
+    /// Standard deviation of single specimens, m/s; `None` if fewer than two have a critical velocity.
     pub standard_deviation_m_s: Option<f64>,
-    /// 95 % interval, m/s: Student's t interval of the mean for tests (at least 3), of a specimen for a deviation.
+    /// 95 % interval, m/s. For tests (at least 3): Student's t interval of the mean. For a deviation: interval of a single specimen.
     pub interval_95_m_s: Option<[f64; 2]>,
-    /// Specimens drawn; none for tests.
+    /// Number of random specimens; `None` for tests.
     pub resamples: Option<usize>,
-    /// Seed of the random numbers; none for tests.
+    /// Seed of the random numbers; `None` for tests.
     pub seed: Option<u64>,
 }
 
-/// Fewest tests with a critical velocity that have an interval.
+/// Fewest tests with a critical velocity for which an interval is computed.
 pub const FEWEST: usize = 3;
 
-/// Parts of a distribution outside its 95 % interval, on each side.
+/// Probability outside the 95 % interval on each side.
 const TAIL: f64 = 0.025;
 
-/// The uncertainty of the critical velocity of a material by its scatter; none without scatter, or in the other sense.
+/// Computes the uncertainty of the critical velocity of a material from its scatter. Returns `None` without scatter, and in compression if the
+/// material has a separate compression curve, to which the scatter does not apply.
 pub fn uncertainty(material: &Material, sense: Sense, how: Bootstrap) -> Option<Uncertainty> {
     let scatter = material.scatter.as_deref()?;
     if sense == Sense::Compression && material.compression.is_some() {
@@ -67,8 +68,9 @@ pub fn uncertainty(material: &Material, sense: Sense, how: Bootstrap) -> Option<
     }
 }
 
-/// Mean, standard deviation and Student's t interval of the critical velocities of the tests. Resampling few tests, which see only part of
-/// the scatter, has too narrow an interval: that of three tests holds the mean in four cases of five.
+/// Computes the mean, the standard deviation and Student's t interval of the critical velocities of the tests. Bootstrap resampling is not used,
+/// because few tests show only part of the scatter and the interval would be too narrow: for three tests it contains the mean in only four of five
+/// cases.
 fn of_tests(tests: &[TestCurve], density: f64) -> Uncertainty {
     let of_test = |test: &TestCurve| OfTest {
         record: test.record.clone(),
@@ -92,12 +94,13 @@ fn of_tests(tests: &[TestCurve], density: f64) -> Uncertainty {
     }
 }
 
-/// The 97.5 % quantile of Student's t.
+/// Returns the 97.5 % quantile of Student's t distribution.
 fn students_t(degrees: usize) -> f64 {
     StudentsT::new(0.0, 1.0, degrees as f64).map_or(f64::INFINITY, |student| student.inverse_cdf(1.0 - TAIL))
 }
 
-/// The flow stress is moved by a normally distributed multiple of its standard deviation, the same at all strains.
+/// Computes the uncertainty for a standard deviation of the flow stress. The flow stress of a specimen is shifted by a normally distributed multiple
+/// of the standard deviation, the same at all strains.
 fn of_deviation(material: &Material, sense: Sense, scatter: &Scatter, how: Bootstrap) -> Option<Uncertainty> {
     let curve = material.branch(sense);
     let moved = resample(how, |rng| {
@@ -116,8 +119,8 @@ fn of_deviation(material: &Material, sense: Sense, scatter: &Scatter, how: Boots
     })
 }
 
-/// The rows from the elastic limit on, with stresses moved by `by` (of their strain) at the same plastic strain: the elastic line, whose
-/// modulus does not scatter, is that of `modulus` up to the moved limit.
+/// Returns the rows from the elastic limit on, with stresses shifted by `by(strain)` at constant plastic strain. Up to the shifted limit the curve is
+/// the elastic line of `modulus`, which does not scatter.
 fn moved_rows(curve: &Curve, modulus: f64, by: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let limit = curve.elastic_limit(modulus).0;
     let mut rows: Vec<(f64, f64)> = Vec::new();
@@ -125,7 +128,7 @@ fn moved_rows(curve: &Curve, modulus: f64, by: impl Fn(f64) -> f64) -> Vec<(f64,
     for (&strain, &stress) in plastic {
         let moved = (stress + by(strain)).max(0.0);
         let strain = strain + (moved - stress) / modulus;
-        // A fall as steep as unloading takes no strain: the stress before it counts.
+        // A drop as steep as elastic unloading does not increase the strain: the row before it is kept.
         if strain > rows.last().map_or(0.0, |last| last.0) {
             rows.push((strain, moved));
         }
@@ -133,13 +136,13 @@ fn moved_rows(curve: &Curve, modulus: f64, by: impl Fn(f64) -> f64) -> Vec<(f64,
     rows
 }
 
-/// Critical velocity of rows that hold their largest stress, as the mean of tests with a critical velocity does.
+/// Returns the critical velocity of a curve with these rows. If the largest stress is that of the last row, the curve ends there by fracture.
 fn of_rows(rows: &[(f64, f64)], density: f64) -> Option<f64> {
     let curve = Curve::new(rows, Beyond::Rupture).ok()?;
     similarity::critical(&curve, density).map(|c| c.velocity)
 }
 
-/// Draws on all threads; each has random numbers of its own, so that the result does not depend on their number.
+/// Draws the specimens on all threads. Each specimen has its own random numbers, so the result does not depend on the number of threads.
 fn resample(how: Bootstrap, draw: impl Fn(&mut XorShiftRng) -> Option<f64> + Sync) -> Vec<f64> {
     let one = |k: usize| {
         draw(&mut XorShiftRng::seed_from_u64(how.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(k as u64)))
@@ -147,7 +150,7 @@ fn resample(how: Bootstrap, draw: impl Fn(&mut XorShiftRng) -> Option<f64> + Syn
     (0..how.resamples).into_par_iter().filter_map(one).collect()
 }
 
-/// The values between which all but a part `tail` on each side lies.
+/// Returns the quantiles `tail` and 1 - `tail` of the values.
 fn interval(mut values: Vec<f64>, tail: f64) -> Option<[f64; 2]> {
     values.sort_by(f64::total_cmp);
     let last = values.len().checked_sub(1)?;

@@ -1,56 +1,56 @@
-//! Cleaning of a record: signs, outliers, fracture and unloading are removed, rows sorted by strain.
+//! Cleaning of a record: negative signs, outliers, unloading and the rows after the fracture are removed, and the rows are sorted by strain.
 
-/// Rows on either side of a row that tell whether it is an outlier.
+/// Number of rows on either side of a row with which it is compared to detect outliers.
 const NEIGHBOURS: usize = 3;
 
-/// An outlier differs from the median of its neighbours by more than this part of the largest value ...
+/// An outlier differs from the median of its neighbours by more than this fraction of the largest value ...
 const OUTLIER: f64 = 0.05;
 
-/// ... and by more than so many standard deviations of the noise.
+/// ... and by more than this number of standard deviations of the noise.
 const OUTLIER_NOISE: f64 = 8.0;
 
-/// A yield peak rises by no more than so many times the lesser of the two steps that lead up to it; an outlier rises suddenly.
+/// A yield peak rises by at most this factor times the smaller of the two preceding steps; an outlier rises suddenly.
 const LED_UP_TO: f64 = 1.5;
 
-/// Unloading is a strain that falls below the largest before by more than so many standard deviations of its noise ...
+/// During unloading, the strain falls below its previous maximum by more than this number of standard deviations of its noise ...
 const UNLOADING_NOISE: f64 = 6.0;
 
-/// ... and by more than this part of the largest strain.
+/// ... and by more than this fraction of the largest strain.
 const UNLOADING: f64 = 1e-5;
 
-/// A fall of the force by more than so many times the usual change between rows is a fracture (ISO 6892-1:2019, A.3.6.3) ...
+/// A fracture is a fall of the force by more than this factor times the usual change between rows (ISO 6892-1:2019, A.3.6.3) ...
 const FRACTURE_STEP: f64 = 5.0;
 
-/// ... where it is this part of the largest force at least; and the whole fall at least [`FRACTURE`] of it.
+/// ... and by at least this fraction of the largest force; the whole fall is at least [`FRACTURE`] of it.
 const FRACTURE_STEP_LEAST: f64 = 0.01;
 
-/// A fall by less than this part of the largest force is no fracture.
+/// Fall over the largest force below which it is not a fracture.
 const FRACTURE: f64 = 0.1;
 
-/// Nor is one after which more than this part of the force is carried to twice the strain: it is that of an upper yield point.
+/// If more than this fraction of the force is still carried at twice the strain, the fall is that of an upper yield point, not a fracture.
 const CARRIED: f64 = 0.5;
 
-/// A test that stopped ends with a strain that falls with the stress along the elastic slope, within this factor of it. A fracture has a
-/// strain that stays or rises; or one that springs back so suddenly that no two rows lie within half of the fall.
+/// A test that was stopped ends with strain and stress that fall along the elastic slope, within this factor. At a fracture the strain stays
+/// constant or rises, or springs back so suddenly that no two rows lie within half of the fall.
 const ELASTIC: f64 = 3.0;
 
-/// Parts of the largest force between which the elastic slope is looked at for that.
+/// Stresses over the largest stress between which the elastic slope is evaluated for this purpose.
 const SLOPE_BETWEEN: [f64; 2] = [0.05, 0.15];
 
-/// Rows sorted by strain, and what was done to them.
+/// Rows sorted by strain, and the changes made to them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Cleaned {
     /// (strain, stress), strain increasing.
     pub rows: Vec<(f64, f64)>,
-    /// Of how many rows of the record, all of one strain, each row is the mean.
+    /// Number of rows of the record with the same strain of which each row is the mean.
     pub of_one_strain: Vec<usize>,
-    /// The record ends with a fracture.
+    /// Whether the record ends with a fracture.
     pub fractured: bool,
     /// One sentence for each change.
     pub changes: Vec<String>,
 }
 
-/// Cleans a record: magnitudes; no outliers; nothing after the fracture; no unloading and reloading; rows sorted by strain.
+/// Cleans a record: takes magnitudes, removes outliers, the rows after the fracture, and unloading and reloading, and sorts the rows by strain.
 pub(super) fn clean(record: &[(f64, f64)]) -> Cleaned {
     let mut changes = Vec::new();
     let mut rows = magnitudes(record, &mut changes);
@@ -61,15 +61,15 @@ pub(super) fn clean(record: &[(f64, f64)]) -> Cleaned {
     Cleaned { rows, of_one_strain, fractured, changes }
 }
 
-/// "1 row", "2 rows".
+/// Returns "1 row", "2 rows".
 pub(super) fn count(rows: usize) -> String {
     if rows == 1 { "1 row".into() } else { format!("{rows} rows") }
 }
 
-/// What is said of a record whose negative signs were removed.
+/// Sentence for a record whose negative signs were removed.
 pub(super) const NEGATIVE_SIGNS: &str = "negative signs removed: curves are given as magnitudes";
 
-/// Compression is often written with negative signs, of one column or both.
+/// Removes negative signs of one column or both, with which compression is often recorded.
 fn magnitudes(record: &[(f64, f64)], changes: &mut Vec<String>) -> Vec<(f64, f64)> {
     let sign = |pick: fn(&(f64, f64)) -> f64| {
         let extreme = record.iter().map(pick).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
@@ -91,7 +91,7 @@ fn without_outliers(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
         let limit = (OUTLIER * largest).max(OUTLIER_NOISE * noise(&values));
         let medians = running_median(&values, NEIGHBOURS);
         let off = |k: usize| (values[k] - medians[k]).abs() > limit;
-        // The first and the last rows have neighbours on one side only: there a fracture looks like an outlier.
+        // The first and the last rows have neighbours on one side only, and a fracture there would look like an outlier.
         let inner = NEIGHBOURS..values.len().saturating_sub(NEIGHBOURS);
         let mut keep = vec![true; values.len()];
         for k in inner.filter(|k| off(*k)) {
@@ -112,14 +112,14 @@ fn without_outliers(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
     }
 }
 
-/// The last but one of five values lies on the steep line of those before, or is the peak at its end, as an upper yield point is.
+/// Whether the last but one of five values continues the steep line of those before, or is the peak at its end, such as an upper yield point.
 fn is_led_up_to(values: &[f64], limit: f64) -> bool {
     let [first, second, third, value, after] = *values else { return false };
     let rises = value > third && value - third <= LED_UP_TO * (third - second).min(second - first);
     rises && (after < value || (value - 0.5 * (third + after)).abs() <= limit)
 }
 
-/// Standard deviation of the noise of a series: the median of its second differences, over that of white noise.
+/// Returns the standard deviation of the noise of a series: the median of its second differences over that of white noise.
 fn noise(values: &[f64]) -> f64 {
     let mut seconds: Vec<f64> = values.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]).abs()).collect();
     // 0.6745 is the median of |x| of a standard normal x; a second difference has 6 times the variance.
@@ -134,13 +134,13 @@ fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// The median of each value and `reach` neighbours on either side (fewer at the ends).
+/// Returns the median of each value and `reach` neighbours on either side (fewer at the ends).
 fn running_median(values: &[f64], reach: usize) -> Vec<f64> {
     let around = |k: usize| median(&mut values[k.saturating_sub(reach)..(k + reach + 1).min(values.len())].to_vec());
     (0..values.len()).map(around).collect()
 }
 
-/// Cuts the record at the row before the force falls for good. True where there is such a row.
+/// Removes the rows after the one at which the force falls for good. Returns true if there is such a row.
 fn cut_at_fracture(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> bool {
     let stress: Vec<f64> = rows.iter().map(|row| row.1).collect();
     let smooth = running_median(&stress, NEIGHBOURS);
@@ -149,7 +149,7 @@ fn cut_at_fracture(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> boo
     let mut steps: Vec<f64> = stress.windows(2).map(|s| (s[1] - s[0]).abs()).collect();
     let step = (FRACTURE_STEP * median(&mut steps)).max(FRACTURE_STEP_LEAST * largest);
     let falls = |k: usize| stress[k] - stress[k + 1] > step;
-    // After the fall nothing carries the force of before again.
+    // After a fracture the previous force is not reached again.
     let mut highest_after = vec![f64::NEG_INFINITY; stress.len() + 1];
     for k in (0..stress.len()).rev() {
         highest_after[k] = highest_after[k + 1].max(stress[k]);
@@ -174,7 +174,7 @@ fn cut_at_fracture(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> boo
     true
 }
 
-/// About the elastic slope: that of the chord between two small stresses on the way to the largest.
+/// Returns an approximate elastic slope: that of the chord between two small stresses on the way to the largest.
 fn elastic_slope(rows: &[(f64, f64)], smooth: &[f64], largest: f64) -> f64 {
     let reaches = |part: f64| smooth.iter().position(|&stress| stress >= part * largest).unwrap_or(0);
     let [low, high] = SLOPE_BETWEEN.map(reaches);
@@ -182,7 +182,7 @@ fn elastic_slope(rows: &[(f64, f64)], smooth: &[f64], largest: f64) -> f64 {
     (rows[high].1 - rows[low].1) / (rows[high].0 - rows[low].0)
 }
 
-/// The strain falls with the stress from this row on, over several rows, about along the elastic slope.
+/// Whether the strain falls with the stress from this row on, over several rows, roughly along the elastic slope.
 fn is_unloading(rows: &[(f64, f64)], last: usize, slope: f64) -> bool {
     let (strain, stress) = rows[last];
     let Some(lowest) = rows[last..].iter().map(|row| row.1).min_by(f64::total_cmp) else { return false };
@@ -194,8 +194,8 @@ fn is_unloading(rows: &[(f64, f64)], last: usize, slope: f64) -> bool {
     reached(0.5).is_some_and(|row| row > 1 && along(row)) && reached(1.0).is_some_and(along)
 }
 
-/// The row, from `first` on, from which the force falls more abruptly than in the rows before `first`: in a neck between sparse rows it falls
-/// by as much from row to row as a fracture may, and these rows belong to the neck.
+/// Returns the row, from `first` on, at which the force starts to fall more abruptly than in the rows before `first`. Between sparse rows of a neck
+/// the force can fall by as much as in a fracture, and these rows belong to the neck.
 fn last_of_neck(stress: &[f64], first: usize) -> usize {
     let fall = |k: usize| stress[k] - stress[k + 1];
     let mut before: Vec<f64> = (first.saturating_sub(2 * NEIGHBOURS)..first).map(|k| fall(k).abs()).collect();
@@ -205,7 +205,7 @@ fn last_of_neck(stress: &[f64], first: usize) -> usize {
     abrupt.filter(|&k| fall(k) > usual).unwrap_or(first)
 }
 
-/// Removes rows between the start of an unloading and the return to the strain of before.
+/// Removes the rows between the start of an unloading and the return to the strain before it.
 fn without_unloading(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
     let strain: Vec<f64> = rows.iter().map(|row| row.0).collect();
     let largest = strain.iter().copied().fold(0.0, f64::max);
@@ -236,7 +236,7 @@ fn without_unloading(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
     }
 }
 
-/// Sorts by strain; rows of one strain become their mean. Returns how many there were of each strain.
+/// Sorts by strain and averages rows of equal strain. Returns the number of rows of each strain.
 fn sort(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> Vec<usize> {
     let falling = rows.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
     let before = rows.len();

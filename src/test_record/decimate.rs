@@ -1,12 +1,12 @@
 //! Reduction of a curve to the fewest knots within a tolerance.
 
-/// Differences of velocity below this part of the whole, over the tolerance, do not count: at the steep start and near the maximum no piece
-/// is short enough for a relative one.
+/// Velocity difference that is neglected, relative to the largest velocity and to the tolerance: at the steep start and near the maximum no segment
+/// is short enough for a relative criterion.
 const VELOCITY_FLOOR: f64 = 0.02;
 
-/// Knots between which straight lines follow the curve (strain increasing). Stresses differ by no more than `tolerance` over the largest
-/// one. Nor does the velocity of a rising piece, the sum of sqrt(d stress d strain), by more than `tolerance` of it. The first row, the
-/// last and the largest are kept. Pieces are split where they are farthest from the curve (Ramer 1972; Douglas and Peucker 1973).
+/// Returns knots whose connecting straight lines follow the curve (strain increasing). The stresses differ by at most `tolerance` times the largest
+/// stress, and the velocity of each rising segment, the sum of sqrt(d stress d strain), by at most `tolerance` times itself. The first row, the
+/// last one and the one of the largest stress are kept. Segments are split at the row farthest from them (Ramer 1972; Douglas and Peucker 1973).
 pub(super) fn decimate(curve: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> {
     let Some(top) = (0..curve.len()).max_by(|a, b| curve[*a].1.total_cmp(&curve[*b].1)) else { return Vec::new() };
     let velocity = velocities(curve);
@@ -33,7 +33,7 @@ pub(super) fn decimate(curve: &[(f64, f64)], tolerance: f64) -> Vec<(f64, f64)> 
     curve.iter().zip(keep).filter(|(_, keep)| *keep).map(|(row, _)| *row).collect()
 }
 
-/// sqrt(d stress d strain): the velocity of a front times sqrt(density).
+/// Returns sqrt(d stress d strain): the velocity jump across a front times sqrt(density).
 fn piece(from: (f64, f64), to: (f64, f64)) -> f64 {
     ((to.0 - from.0) * (to.1 - from.1)).max(0.0).sqrt()
 }

@@ -1,4 +1,4 @@
-//! Least squares with weights, by a straight line and by a parabola.
+//! Weighted least squares with polynomials: a straight line, a parabola, or a higher degree.
 
 /// A fit `a + b x + c x^2` about an origin of x; c is 0 for a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,10 +16,10 @@ impl Fit {
     }
 }
 
-/// Points (x, y, weight), x about the origin of the fit.
+/// A point (x, y, weight), with x relative to the origin of the fit.
 pub(super) type Point = (f64, f64, f64);
 
-/// A straight line; none with fewer than two different x.
+/// Fits a straight line; `None` with fewer than two different x.
 pub(super) fn line(points: impl Iterator<Item = Point> + Clone) -> Option<Fit> {
     let [w, x, y, xx, xy] = points
         .clone()
@@ -33,7 +33,7 @@ pub(super) fn line(points: impl Iterator<Item = Point> + Clone) -> Option<Fit> {
     Some(Fit { residual: residual(fit, points), ..fit })
 }
 
-/// A parabola; a line where the points do not determine one.
+/// Fits a parabola, or a line if the points do not determine a parabola.
 pub(super) fn parabola(points: impl Iterator<Item = Point> + Clone) -> Option<Fit> {
     let straight = line(points.clone())?;
     let Some([a, b, c]) = polynomial(points.clone()) else { return Some(straight) };
@@ -49,8 +49,8 @@ pub(super) struct Estimate {
     pub error: f64,
 }
 
-/// A parabola at its origin, with the error that independent noise of the points (x, y, weight, variance) gives it; a line, or the mean,
-/// where the points do not determine one.
+/// Returns the value and slope at the origin of a parabola fitted to points (x, y, weight, variance), with the standard error of the value due to
+/// independent noise of the points. Uses a line, or the mean, if the points do not determine a parabola.
 pub(super) fn parabola_with_error(points: impl Iterator<Item = (f64, f64, f64, f64)> + Clone) -> Option<Estimate> {
     estimate::<3>(points.clone()).or_else(|| estimate::<2>(points.clone())).or_else(|| estimate::<1>(points))
 }
@@ -59,7 +59,7 @@ fn estimate<const N: usize>(points: impl Iterator<Item = (f64, f64, f64, f64)> +
     let weighted = points.clone().map(|(x, y, w, _)| (x, y, w));
     let (unit, m, r) = normal_equations::<N>(weighted);
     let solved = solve(m, r)?;
-    // The value is a sum of the y, each times its weight and this polynomial.
+    // The value is a sum of the y, each multiplied by its weight and by this polynomial.
     let part = solve(m, std::array::from_fn(|k| if k == 0 { 1.0 } else { 0.0 }))?;
     let variance: f64 = points
         .map(|(x, _, w, variance)| {
@@ -70,17 +70,17 @@ fn estimate<const N: usize>(points: impl Iterator<Item = (f64, f64, f64, f64)> +
     Some(Estimate { value: solved[0], slope: solved.get(1).map_or(0.0, |b| b / unit), error: variance.sqrt() })
 }
 
-/// Coefficients of x^0, x^1, ... of a polynomial with N of them (at most 4); none where the points do not determine them.
+/// Returns the coefficients of x^0, x^1, ... of a fitted polynomial with N coefficients (at most 4); `None` if the points do not determine them.
 pub(super) fn polynomial<const N: usize>(points: impl Iterator<Item = Point> + Clone) -> Option<[f64; N]> {
     let (unit, m, r) = normal_equations::<N>(points);
     let solved: [f64; N] = solve(m, r)?;
     Some(std::array::from_fn(|k| solved[k] / unit.powi(k as i32)))
 }
 
-/// The unit of x, and the normal equations for a polynomial in x over that unit.
+/// Returns the unit of x, and the normal equations for a polynomial in x over that unit.
 fn normal_equations<const N: usize>(points: impl Iterator<Item = Point> + Clone) -> (f64, [[f64; N]; N], [f64; N]) {
     let (w, xx) = points.clone().fold((0.0, 0.0), |m, (x, _, w)| (m.0 + w, m.1 + w * x * x));
-    // In x over its root mean square the normal equations are well conditioned.
+    // The root mean square of x as the unit makes the normal equations well conditioned.
     let unit = (xx / w).sqrt();
     let (mut m, mut r) = ([0.0; 7], [0.0; N]);
     for (x, y, w) in points {
@@ -101,7 +101,7 @@ fn residual(fit: Fit, points: impl Iterator<Item = Point>) -> f64 {
     sum / weight
 }
 
-/// Linear equations by elimination; none where they are singular.
+/// Solves linear equations by Gaussian elimination; `None` if they are singular.
 fn solve<const N: usize>(mut m: [[f64; N]; N], mut r: [f64; N]) -> Option<[f64; N]> {
     let size = m[0][0].abs();
     for k in 0..N {

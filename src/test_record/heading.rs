@@ -4,7 +4,7 @@ use crate::input::nearest;
 use crate::material::Measure;
 use crate::units::{Dimension, in_heading};
 
-/// What a column of a record holds.
+/// The quantity in a column of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Elongation over gauge length.
@@ -18,7 +18,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// What its numbers measure.
+    /// Returns the dimension of the values.
     pub fn dimension(self) -> Dimension {
         match self {
             Self::Strain => Dimension::None,
@@ -28,7 +28,7 @@ impl Kind {
         }
     }
 
-    /// The word for it.
+    /// Returns the name of the quantity.
     pub fn name(self) -> &'static str {
         match self {
             Self::Strain => "strain",
@@ -38,7 +38,7 @@ impl Kind {
         }
     }
 
-    /// Parts of headings, in lower case, that name it.
+    /// Returns the parts of headings, in lower case, that identify the quantity.
     fn words(self) -> &'static [&'static str] {
         match self {
             Self::Strain => &["strain", "dehnung", "d\u{e9}formation", "deformation", "epsilon", "\u{3b5}"],
@@ -61,25 +61,25 @@ impl Kind {
     }
 }
 
-/// Parts of headings, in lower case, of what measures on the specimen itself.
+/// Parts of headings, in lower case, that indicate a measurement on the specimen itself.
 const ON_SPECIMEN: [&str; 5] = ["extenso", "aufnehmer", "feindehn", "clip gauge", "clip-on"];
 
-/// Parts of headings, in lower case, of what includes the deformation of machine and grips.
+/// Parts of headings, in lower case, that indicate a measurement that includes the deformation of machine and grips.
 const OF_MACHINE: [&str; 9] =
     ["crosshead", "stroke", "traverse", "actuator", "machine", "position", "standardweg", "querhaupt", "kolben"];
 
-/// Where an extension or a strain was measured, the better one first.
+/// Place at which an extension or a strain was measured, in order of preference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place {
-    /// By an extensometer.
+    /// On the specimen, by an extensometer.
     Specimen,
-    /// The heading does not say so.
+    /// Not stated in the heading.
     Unknown,
     /// At the crosshead.
     Machine,
 }
 
-/// Where a heading says that its column was measured.
+/// Returns the place of measurement stated in a heading.
 pub(super) fn place(title: &str) -> Place {
     let title = title.to_lowercase();
     let names = |parts: &[&str]| parts.iter().any(|part| title.contains(part));
@@ -92,28 +92,28 @@ pub(super) fn place(title: &str) -> Place {
     }
 }
 
-/// A heading of shear strain or shear stress, or of torsion.
+/// Whether a heading is one of shear strain or shear stress, or of torsion.
 pub(super) fn is_shear(title: &str) -> bool {
     let title = title.to_lowercase();
     ["shear", "schub", "scher", "cisaillement", "torsion"].iter().any(|part| title.contains(part))
 }
 
-/// Words, or their beginnings, of headings of logarithmic strain and true stress, in lower case ...
+/// Words, or their beginnings, in lower case, in headings of logarithmic strain and true stress ...
 const TRUE: [&str; 12] =
     ["true", "log", "ln", "natural", "hencky", "cauchy", "wahr", "umformgrad", "vrai", "rationnel", "verdader", "vero"];
 
-/// ... and of values on the initial length and cross-section.
+/// ... and of values relative to the initial length and cross-section.
 const ENGINEERING: [&str; 6] = ["eng", "nominal", "conventional", "conventionnel", "technisch", "nenn"];
 
-/// What a heading says about the measure of its column; none: nothing. Extensions and forces have no other measure than that of the initial
-/// length and cross-section.
+/// Returns the measure of a column stated by its heading; `None` if it states none. Extensions and forces are always engineering values, relative
+/// to the initial length and cross-section.
 pub(super) fn measure(title: &str, kind: Kind) -> Option<Measure> {
     if matches!(kind, Kind::Extension | Kind::Force) {
         return Some(Measure::Engineering);
     }
     let title = title.to_lowercase();
     let words = || title.split(|c: char| !c.is_alphabetic());
-    // "ln" and "true" are whole words; the others have endings.
+    // "ln" and "true" are whole words; the others can have endings.
     let names = |known: &[&str]| {
         words().any(|word| known.iter().any(|known| word == *known || (known.len() > 2 && word.starts_with(known))))
     };
@@ -128,12 +128,12 @@ pub(super) fn measure(title: &str, kind: Kind) -> Option<Measure> {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Heading {
     pub name: String,
-    /// As written; empty where there is none.
+    /// Unit as written; empty if there is none.
     pub unit: String,
 }
 
-/// Splits `Force [kN]`, `stress_MPa`, `Strain (%)`, `Load, N`, `stress/MPa` or `Extension mm` into name and unit. Without brackets only
-/// what is a unit is taken for one.
+/// Splits `Force [kN]`, `stress_MPa`, `Strain (%)`, `Load, N`, `stress/MPa` or `Extension mm` into name and unit. Without brackets, only a known
+/// unit is split off, or a single word after a comma.
 pub(super) fn split(title: &str) -> Heading {
     let title = title.trim();
     // "microstrain" is name and unit in one.
@@ -154,7 +154,7 @@ pub(super) fn split(title: &str) -> Heading {
     if let Some(name) = title.strip_suffix(['%', '\u{2030}']) {
         return Heading { name: name.trim_end().into(), unit: title[name.len()..].into() };
     }
-    // "Stress, kp/mm^2": one word behind a comma is meant as a unit, known or not.
+    // "Stress, kp/mm^2": a single word after a comma is meant as a unit, whether known or not.
     if let Some((name, unit)) = title.rsplit_once(',').filter(|(_, unit)| unit.split_whitespace().count() == 1) {
         return Heading { name: name.trim().into(), unit: unit.trim().into() };
     }
@@ -165,12 +165,12 @@ pub(super) fn is_unit(text: &str) -> bool {
     [Kind::Strain, Kind::Extension, Kind::Stress, Kind::Force].iter().any(|kind| size(text, *kind).is_some())
 }
 
-/// SI value of one unit of such a column; none where it is no unit of it.
+/// Returns the SI value of one unit of a column of this kind; `None` if it is not a unit of it.
 pub(super) fn size(unit: &str, kind: Kind) -> Option<f64> {
     if unit.trim().is_empty() { None } else { in_heading(unit, kind.dimension()).ok() }
 }
 
-/// The unit of such a column that is most like an unknown one.
+/// Returns the unit of a column of this kind that is most similar to an unknown one.
 pub(super) fn most_like(unit: &str, kind: Kind) -> Option<&'static str> {
     let known: &[&str] = match kind {
         Kind::Strain => &["%", "\u{2030}", "mm/mm", "in/in", "millistrain", "microstrain", "\u{b5}m/m"],
@@ -178,12 +178,12 @@ pub(super) fn most_like(unit: &str, kind: Kind) -> Option<&'static str> {
         Kind::Stress => &["MPa", "GPa", "kPa", "Pa", "N/mm^2", "ksi", "psi", "kgf/mm^2", "bar"],
         Kind::Force => &["kN", "N", "MN", "kgf", "lbf", "kip"],
     };
-    // The first letter is that of the prefix: with another one the suggestion would be another multiple.
+    // The first letter belongs to the prefix: with another one the suggestion would be another multiple.
     let initial = |unit: &str| unit.chars().next().map(|c| c.to_ascii_lowercase());
     nearest(unit, known.iter().copied().filter(|known| initial(known) == initial(unit)))
 }
 
-/// What a heading says that its column holds: the unit decides where there is one, then the name.
+/// Returns the quantity that a heading states: by its unit if it has one, otherwise by its name.
 pub(super) fn kind(heading: &Heading) -> Option<Kind> {
     let name = heading.name.to_lowercase();
     if name.contains("rate") || name.starts_with("time") {

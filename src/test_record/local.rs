@@ -1,34 +1,34 @@
-//! The curve at one strain: local quadratic regression with tricube weights (Cleveland, JASA 74, 1979, 829-836), in the widest window that
-//! the noise allows (Lepskii, Theory Probab. Appl. 35, 1990, 454-466).
+//! Estimation of the curve at one strain by local quadratic regression with tricube weights (Cleveland, JASA 74, 1979, 829-836), in the widest
+//! window that the noise allows (Lepskii, Theory Probab. Appl. 35, 1990, 454-466).
 //!
-//! Windows grow from the rows on either side of the strain. Each gives a stress with its standard error, and a window is admitted as long
-//! as its stress agrees with those of all narrower ones. So a curve moves by no more than the noise of its rows, and rows without noise
-//! stay as they are, knees and yield drops included.
+//! Windows grow from the rows on either side of the strain. Each gives a stress with its standard error, and a window is admitted as long as its
+//! stress agrees with those of all narrower windows. Therefore the curve moves by no more than the noise of its rows, and rows without noise are
+//! not changed, including knees and yield drops.
 
 use super::fit::{Estimate, parabola_with_error};
 
 /// Factor by which windows grow.
 const LARGER: f64 = 4.0 / 3.0;
 
-/// Standard errors within which stresses agree.
+/// Number of standard errors within which stresses agree.
 pub(super) const AGREE: f64 = 2.5;
 
-/// A stress whose standard error is below this part of the floor needs no wider window.
+/// Standard error over the floor below which a wider window is not needed.
 const ENOUGH: f64 = 0.25;
 
 /// Rows with the variances of their noise.
 pub(super) struct Local<'a> {
     /// (strain, stress), strain increasing.
     pub rows: &'a [(f64, f64)],
-    /// Pa^2.
+    /// Variances of the stresses, Pa^2.
     pub variances: &'a [f64],
-    /// Stresses that differ by less agree without noise, too, Pa.
+    /// Difference up to which stresses agree even without noise, Pa.
     pub floor: f64,
 }
 
 impl Local<'_> {
-    /// The half-width of the widest window, up to `most`, whose stress agrees with all narrower ones; 0: the straight line between the rows.
-    /// Windows that tell the stress no better than a narrower one, as with rows on one side only, are passed over.
+    /// Returns the half-width of the widest window, up to `most`, whose stress agrees with those of all narrower windows; 0 stands for the straight
+    /// line between the rows. Windows with a larger standard error than a narrower one, such as those with rows on one side only, are skipped.
     pub fn half_width(&self, strain: f64, most: f64) -> f64 {
         let (mut width, mut least) = (0.0, f64::INFINITY);
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -50,7 +50,7 @@ impl Local<'_> {
         width
     }
 
-    /// The half-width that holds so many rows on either side, or twice as many on one side at the first and the last row.
+    /// Returns the half-width of the window with this number of rows on either side, or twice as many on one side at the first and the last row.
     pub fn holding(&self, strain: f64, rows: usize) -> f64 {
         let at = self.rows.partition_point(|row| row.0 < strain);
         let one_sided = if at == 0 || at + 1 >= self.rows.len() { 2 * rows } else { rows };
@@ -58,7 +58,7 @@ impl Local<'_> {
         (strain - self.rows[low].0).max(self.rows[high].0 - strain)
     }
 
-    /// The stress, its slope and its standard error in a window; between the neighbouring rows where it holds fewer than three.
+    /// Returns the stress, its slope and its standard error in a window; interpolates between the neighbouring rows if it has fewer than three.
     pub fn estimate(&self, strain: f64, width: f64) -> Option<Estimate> {
         let first = self.rows.partition_point(|row| row.0 <= strain - width);
         let end = self.rows.partition_point(|row| row.0 < strain + width);
@@ -72,7 +72,7 @@ impl Local<'_> {
         parabola_with_error(points)
     }
 
-    /// On the straight line between the two rows beside a strain.
+    /// Interpolates linearly between the two rows beside a strain.
     fn between_rows(&self, strain: f64) -> Option<Estimate> {
         let after = self.rows.partition_point(|row| row.0 <= strain).clamp(1, self.rows.len() - 1);
         let ((e, s), (end, to)) = (*self.rows.get(after - 1)?, *self.rows.get(after)?);

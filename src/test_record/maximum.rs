@@ -1,23 +1,23 @@
-//! Whether a record passes its largest stress, and how its curve ends where it does not.
+//! Test of whether a record passes its largest stress, and the end of its curve if it does not.
 //!
-//! The smoothed curve of a test that stopped while its stress rose has its largest stress inside the record by noise in most cases. So the
-//! record has to fall: the mean of its last rows has to be below that of rows before them by more than the noise of both means. Groups of all
-//! sizes are compared. As long as the true stress rises none of these differences has a positive mean.
+//! The smoothed curve of a test that was stopped while its stress rose has its largest stress inside the record in most cases, because of noise.
+//! Therefore the record has to fall: the mean of its last rows has to be below that of earlier rows by more than the noise of both means. Groups of
+//! all sizes are compared. As long as the true stress rises, none of these differences has a positive mean.
 
-/// Standard errors by which the last rows have to be below earlier ones. Of records whose stress rises less than one in 1000 exceeds it, of
-/// those at constant stress some percent.
+/// Number of standard errors by which the last rows have to be below earlier ones. Of records with rising stress, fewer than one in 1000 exceeds
+/// it; of those at constant stress, some percent do.
 const SURELY: f64 = 4.0;
 
-/// Sizes of groups grow by this factor.
+/// Factor by which the sizes of groups grow.
 const LARGER: f64 = 1.4;
 
-/// Fewest rows of a group: fewer may all be outliers.
+/// Smallest number of rows of a group: fewer may all be outliers.
 const FEWEST: usize = 3;
 
-/// Standard errors by which the line at the end of a curve that does not fall has to rise.
+/// Number of standard errors by which the line at the end of a curve that does not fall has to rise.
 const RISES: f64 = 2.0;
 
-/// The last rows are below earlier ones by more than noise. Where noise is below `floor` (Pa) single rows tell.
+/// Whether the last rows are below earlier ones by more than the noise. If the noise is below `floor` (Pa), single rows are compared.
 pub(super) fn falls(rows: &[(f64, f64)], variances: &[f64], floor: f64) -> bool {
     let Some(first) = rows.first().map(|row| row.1) else { return false };
     let [stress, variance] = [sums(rows.iter().map(|row| row.1 - first)), sums(variances.iter().copied())];
@@ -39,10 +39,10 @@ pub(super) fn falls(rows: &[(f64, f64)], variances: &[f64], floor: f64) -> bool 
     })
 }
 
-/// Differences below this part of the floor are those of rounding.
+/// Difference attributed to rounding, relative to the floor.
 const ROUNDING: f64 = 1e-6;
 
-/// Numbers of rows of a group, up to `most`.
+/// Iterates over the numbers of rows of a group, up to `most`.
 fn sizes(least: usize, most: usize) -> impl Iterator<Item = usize> {
     let next = |size: &usize| Some(((*size as f64 * LARGER) as usize).max(size + 1));
     std::iter::successors(Some(least), next).take_while(move |size| *size <= most)
@@ -56,9 +56,9 @@ fn sums(values: impl Iterator<Item = f64>) -> Vec<f64> {
     sums
 }
 
-/// Replaces the end of a curve, whose largest stress is one of noise, by the shortest line of least squares through the rows that surely
-/// rises to the largest stress; where there is none, as at constant stress, by one from the end of the elastic line on that does not fall.
-/// Returns where the line starts; none where the curve is left as it is, as an earlier stress is larger.
+/// Replaces the end of a curve whose largest stress is due to noise by a least-squares line through the rows: the shortest one that rises
+/// significantly to the largest stress or, if there is none (as at constant stress), one from the end of the elastic line that does not fall.
+/// Returns the strain at which the line starts; `None` if the curve is not changed, because an earlier stress is larger.
 pub(super) fn rising_end(curve: &mut Vec<(f64, f64)>, rows: &[(f64, f64)], variances: &[f64]) -> Option<f64> {
     let end = rows.last()?.0;
     let top = (0..curve.len()).max_by(|a, b| curve[*a].1.total_cmp(&curve[*b].1))?;
@@ -87,7 +87,7 @@ pub(super) fn rising_end(curve: &mut Vec<(f64, f64)>, rows: &[(f64, f64)], varia
     Some(start)
 }
 
-/// Slope, with its standard error, of the line of least squares from a point through the rows behind it.
+/// Returns the slope, and its standard error, of the least-squares line from a point through the rows after it.
 fn slope_from((strain, stress): (f64, f64), rows: &[(f64, f64)], variances: &[f64]) -> Option<(f64, f64)> {
     let behind = rows.partition_point(|row| row.0 <= strain);
     let [mut xx, mut xy, mut noise] = [0.0; 3];

@@ -1,4 +1,4 @@
-//! From the record of a tension or compression test to a curve: reading, cleaning, elastic line, proof stress, smoothing, knots.
+//! Reduction of the record of a tension or compression test to a curve: reading, cleaning, elastic line, proof stress, smoothing, knots.
 
 mod clean;
 mod decimate;

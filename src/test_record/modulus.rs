@@ -1,69 +1,70 @@
 //! The elastic line of a record: least squares over the part that is straight within the noise (ASTM E111).
 //!
-//! The part is searched for: of all intervals between some tens of stresses, those are admitted whose slope is, within its uncertainty, the
-//! steepest, and of these the one is taken whose slope is known best. The uncertainty has two parts: the standard error, and the bias by
-//! the curvature of the interval, as far as it is above the noise. So neither the toe nor the knee takes part in the fit. Rounded strains
-//! are an error that the noise does not show: a clean record whose spacing is near a multiple of the step has a straight line up to the first
+//! The part is found by a search. Of all intervals between some tens of stresses, those are admitted whose slope is, within its uncertainty, the
+//! steepest; of these, the one whose slope has the smallest uncertainty is chosen. The uncertainty has two parts: the standard error, and the bias
+//! by the curvature of the interval, as far as it exceeds the noise. Therefore neither the toe nor the knee is part of the fit. Rounded strains are
+//! an error that the noise does not show: a clean record whose spacing is near a multiple of the step follows one straight line up to the first
+//! extra step, and another one after it.
 //! extra step, and another one behind it.
 
 use super::fit::{Fit, line, polynomial};
 
-/// Stresses between which intervals are searched for are so far apart, as a factor ...
+/// Ratio of successive stresses at which intervals start and end ...
 const LEVELS_FACTOR: f64 = 1.12;
 
-/// ... from this part of the largest stress on.
+/// ... from this fraction of the largest stress on.
 const LEVELS_FROM: f64 = 0.01;
 
-/// Fewest rows of an interval.
+/// Smallest number of rows of an interval.
 pub(super) const FEWEST: usize = 8;
 
-/// Bias that is not distinguished from none, relative to the slope: intervals better than this differ by their length only.
+/// Relative uncertainty of the slope below which intervals differ by their length only.
 const RESOLUTION: f64 = 1e-3;
 
-/// An interval is admitted if its slope, plus twice its error, is this part of the steepest, minus four times its error.
+/// An interval is admitted if its slope plus twice its error is at least this fraction of the largest value of slope minus four times error.
 const ADMITTED: f64 = 0.97;
 
-/// Intervals whose slope is known up to so many times worse than that of the best might have been the best, had the record been rounded otherwise.
+/// Uncertainty, relative to that of the best interval, up to which an interval might have been the best if the record had been rounded differently.
 const AS_GOOD: f64 = 1.25;
 
-/// Rows before an interval that are so many times steeper, by so many standard deviations of the noise, are the elastic ones.
+/// If the rows before an interval are steeper by this factor, and by [`SURELY`] standard deviations of the noise, they are the elastic ones.
 const STEEPER: f64 = 1.5;
 const SURELY: f64 = 4.0;
 
-/// Least elastic limit, over the largest stress: a curve has to start along its modulus.
+/// Smallest elastic limit over the largest stress: a curve has to start along its modulus.
 pub(super) const LEAST_LIMIT: f64 = 1e-3;
 
-/// Standard errors within which rows beyond the interval still lie on its line.
+/// Number of standard errors within which rows after the interval still lie on its line.
 const ON_LINE: f64 = 2.5;
 
-/// A material that is linear in logarithmic strain and true stress is off its line in engineering ones by this factor times the strain,
-/// relative to the stress; up to a limit, as rows past a knee are off by more.
+/// A material that is linear in logarithmic strain and true stress deviates from its line in engineering values by this factor times the strain,
+/// relative to the stress; the deviation is limited to [`MOST_CURVED`], since rows past a knee deviate more.
 const CURVED: f64 = 1.5;
 const MOST_CURVED: f64 = 4e-3;
 
-/// Rows of a line are off it by up to this part of the stress without noise.
+/// Deviation of rows from a line, relative to the stress, that is accepted without noise.
 const STRAIGHT: f64 = 1e-3;
 
-/// Groups of rows that tell where the line ends are down to so many times shorter.
+/// Factor down to which the groups of rows that locate the end of the line are shortened.
 const SHORTEST: usize = 4;
 
 /// The elastic line: stress = slope (strain - origin).
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct ElasticLine {
-    /// Pa.
+    /// Slope, Pa.
     #[serde(rename = "slope_Pa")]
     pub slope: f64,
-    /// Standard error of the slope, with the spread over the intervals that are as good, Pa.
+    /// Standard error of the slope, including the spread over the equally good intervals, Pa.
     #[serde(rename = "standard_error_Pa")]
     pub error: f64,
     /// Strain at zero stress.
     pub origin: f64,
-    /// Stresses of the first and the last rows of the fit, Pa.
+    /// Stresses of the first and the last row of the fit, Pa.
     #[serde(rename = "fitted_between_Pa")]
     pub between: [f64; 2],
-    /// Rows of the fit.
+    /// Number of rows of the fit.
     pub rows: usize,
-    /// Slopes in the lower and the upper half of a given range that differ by more than noise and some percent, Pa.
+    /// Slopes in the lower and the upper half of a given range if they differ by more than noise and some percent, Pa.
     #[serde(rename = "slopes_of_halves_Pa", skip_serializing_if = "Option::is_none")]
     pub bend: Option<[f64; 2]>,
     /// Stress of the line in the middle of the fit, Pa.
@@ -84,24 +85,25 @@ struct Candidate {
     to: usize,
     mean: f64,
     fit: Fit,
-    /// Standard error of the slope, and its root mean square error with the bias, Pa.
+    /// Standard error of the slope, Pa.
     error: f64,
+    /// Root mean square error of the slope including the bias, Pa.
     total: f64,
-    /// In strain.
+    /// Width in strain.
     width: f64,
 }
 
 /// Variances at each row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Variances<'a> {
-    /// Of the noise of the stress, Pa^2.
+    /// Variance of the noise of the stress, Pa^2.
     pub noise: &'a [f64],
-    /// Of the rounding of the strain.
+    /// Variance of the rounding of the strain.
     pub rounding: &'a [f64],
 }
 
-/// The elastic line of rows sorted by strain. `range` (Pa) is the interval of stress to be fitted, where it is not to be searched for. None
-/// where no interval has enough rows.
+/// Returns the elastic line of rows sorted by strain. `range` (Pa) is the interval of stress to be fitted; if `None`, the interval is searched for.
+/// Returns `None` if no interval has enough rows.
 pub(super) fn elastic_line(
     rows: &[(f64, f64)],
     variances: Variances<'_>,
@@ -116,7 +118,7 @@ pub(super) fn elastic_line(
     let origin = best.mean - best.fit.a / best.fit.b;
     let ends = [best.from, best.to - 1];
     let on_line = ends.map(|row| best.fit.at(rows[row].0 - best.mean));
-    // Where rows are not straight those of the fit lie off its line.
+    // If the rows of the fit are curved, its end rows do not lie on its line.
     let between = if range.is_some() { ends.map(|row| near(rows, row)) } else { on_line };
     Some(ElasticLine {
         slope: best.fit.b,
@@ -131,19 +133,19 @@ pub(super) fn elastic_line(
     })
 }
 
-/// The mean stress of a row and two neighbours on either side, Pa.
+/// Returns the mean stress of a row and two neighbours on either side, Pa.
 fn near(rows: &[(f64, f64)], row: usize) -> f64 {
     let five = &rows[row.saturating_sub(2)..(row + 3).min(rows.len())];
     five.iter().map(|row| row.1).sum::<f64>() / five.len() as f64
 }
 
-/// Slopes of the halves of a straight part differ by less than this part of the larger one ...
+/// The slopes of the halves of a straight interval differ by less than this fraction of the larger one ...
 const SAME_SLOPE: f64 = 0.05;
 
-/// ... or than so many standard errors.
+/// ... or by less than this number of standard errors.
 const SAME_SLOPE_ERRORS: f64 = 3.0;
 
-/// The slopes of the lower and the upper half of an interval, where they differ: it holds a part of the toe or of the knee.
+/// Returns the slopes of the lower and the upper half of an interval if they differ: it then contains a part of the toe or of the knee.
 fn bend(rows: &[(f64, f64)], variances: Variances<'_>, whole: &Candidate) -> Option<[f64; 2]> {
     let middle = usize::midpoint(whole.from, whole.to);
     let half = |from: usize, to: usize| {
@@ -160,13 +162,13 @@ fn bend(rows: &[(f64, f64)], variances: Variances<'_>, whole: &Candidate) -> Opt
     ((lower - upper).abs() > limit).then_some([lower, upper])
 }
 
-/// The first row from which the mean of five rows is at least this stress.
+/// Returns the first row from which the mean of five rows is at least this stress.
 fn level(rows: &[(f64, f64)], stress: f64) -> usize {
     let mean = |five: &[(f64, f64)]| five.iter().map(|row| row.1).sum::<f64>() / five.len() as f64;
     rows.windows(5).position(|five| mean(five) >= stress).map_or(rows.len(), |k| if k == 0 { 0 } else { k + 2 })
 }
 
-/// The best interval, and how much the slopes of those as good differ from its own (root of the mean square, Pa).
+/// Returns the best interval, and the root-mean-square difference between its slope and those of equally good intervals, Pa.
 fn search(rows: &[(f64, f64)], variances: Variances<'_>, largest: f64) -> Option<(Candidate, f64)> {
     let stresses =
         std::iter::successors(Some(LEVELS_FROM), |part| Some(part * LEVELS_FACTOR)).take_while(|part| *part < 0.98);
@@ -174,7 +176,7 @@ fn search(rows: &[(f64, f64)], variances: Variances<'_>, largest: f64) -> Option
     places.dedup();
     let pairs = places.iter().enumerate().flat_map(|(k, &from)| places[k + 1..].iter().map(move |&to| (from, to)));
     let all: Vec<Candidate> = pairs.filter_map(|(from, to)| candidate(rows, variances, from, to)).collect();
-    // Of hundreds of intervals with few rows and much noise some are too steep by three standard errors.
+    // Among hundreds of intervals with few rows and much noise, some are too steep by three standard errors.
     let steepest = all.iter().map(|c| c.fit.b - 4.0 * c.total).fold(0.0, f64::max);
     let admitted = all.into_iter().filter(|c| c.fit.b + 2.0 * c.total >= ADMITTED * steepest && c.fit.b > 0.0);
     let admitted: Vec<Candidate> = admitted.filter(|c| !follows_steeper_rows(rows, variances, c)).collect();
@@ -184,14 +186,14 @@ fn search(rows: &[(f64, f64)], variances: Variances<'_>, largest: f64) -> Option
     Some((best, (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()))
 }
 
-/// The rows before an interval rise more steeply: they are the elastic ones, too few for a line of their own.
+/// Whether the rows before an interval rise more steeply: they are then the elastic ones, too few for a line of their own.
 fn follows_steeper_rows(rows: &[(f64, f64)], variances: Variances<'_>, c: &Candidate) -> bool {
     let (first, start) = (rows[0], rows[c.from].0);
     let rise = c.fit.at(start - c.mean) - first.1;
     rise > STEEPER * c.fit.b * (start - first.0) + SURELY * variances.noise[0].sqrt()
 }
 
-/// Relative error of the slope; below the resolution longer intervals are better.
+/// Returns the relative error of the slope; below the resolution, longer intervals have a smaller score.
 fn score(c: &Candidate) -> f64 {
     let relative = c.total / c.fit.b;
     if relative > RESOLUTION { relative } else { RESOLUTION * (1.0 - 1e-3 * (c.to - c.from) as f64 / (c.to as f64)) }
@@ -208,22 +210,22 @@ fn candidate(rows: &[(f64, f64)], variances: Variances<'_>, from: usize, to: usi
     let width = part[part.len() - 1].0 - part[0].0;
     let mean_of = |variances: &[f64]| variances[from..to].iter().sum::<f64>() / count;
     let noise = mean_of(variances.noise);
-    // Strains in succession are rounded by like amounts, or by ones that grow evenly: more rows tell the slope hardly better. Its error is
-    // 0.15 to 0.3 of a step over the width.
+    // Successive strains are rounded by similar or evenly growing amounts, so that more rows hardly improve the slope. Its error is 0.15 to 0.3 of
+    // a step over the width.
     let rounding = 0.5 * fit.b * fit.b * mean_of(variances.rounding) / (width * width);
     let square = noise / spread + rounding;
     let error = (fit.residual.max(noise) / spread + rounding).sqrt();
-    // From the middle to the ends of the interval the slope of a parabola changes by c times the width. A cubic, which also bends at both
-    // ends in opposite senses, as toe and knee do, tells the slope in the middle. For even rows the variances of the two are 15 and 5.25
-    // times that of the slope.
+    // From the middle to the ends of the interval the slope of a parabola changes by c times the width. A cubic, which can bend in opposite senses
+    // at the two ends, as toe and knee do, gives the slope in the middle. For evenly spaced rows the variances of these two are 15 and 5.25 times
+    // that of the slope.
     let by_curvature = ((c * width).powi(2) - 15.0 * square).max(0.0);
     let by_ends = ((centre - fit.b).powi(2) - 5.25 * square).max(0.0);
     Some(Candidate { from, to, mean, fit, error, total: (error * error + by_curvature + by_ends).sqrt(), width })
 }
 
-/// The first row past the interval that is not on its line. Groups of rows are compared with it that are as long as their mean tells 0.5 %
-/// of the stress from noise. Of tens of groups on the line some are off by chance: two in succession have to be, in the same sense. Shorter
-/// ones then tell where that starts.
+/// Returns the first row after the interval that is not on its line. Rows are compared with the line in groups, long enough for their mean to
+/// distinguish 0.5 % of the stress from noise. Of tens of groups on the line some deviate by chance, so that two successive groups have to deviate
+/// in the same sense. Shorter groups then locate the start of the deviation.
 fn extend(rows: &[(f64, f64)], variances: Variances<'_>, best: &Candidate, largest: f64) -> usize {
     let (mut end, mut shorter) = (best.to, 1);
     while end < rows.len() {
@@ -246,8 +248,9 @@ fn extend(rows: &[(f64, f64)], variances: Variances<'_>, best: &Candidate, large
     rows.len()
 }
 
-/// How far the mean of rows is below the line, Pa; 0 where noise, the rounding of strains, the error of the slope or the curvature of elastic
-/// rows explain it. At worst all rows of the group are rounded by one amount, and the line is that through two rows at its ends.
+/// Returns by how much the mean of rows is below the line, Pa; 0 if noise, the rounding of strains, the error of the slope or the curvature of
+/// elastic rows explain the difference. In the worst case all rows of the group are rounded by the same amount, and the line passes through two
+/// rows at its ends.
 fn off_line(group: &[(f64, f64)], [noise, rounding]: [f64; 2], best: &Candidate) -> f64 {
     let count = group.len() as f64;
     let (strain, stress) = group.iter().fold((0.0, 0.0), |sum, row| (sum.0 + row.0 / count, sum.1 + row.1 / count));

@@ -1,20 +1,20 @@
-//! The noise of a record, without a model of its curve.
+//! Estimation of the noise of a record without a model of its curve.
 //!
-//! Each stress is compared with the straight line between its neighbours (Gasser, Sroka and Jennen-Steinmetz, Biometrika 73, 1986, 625-633)
-//! and with the cubic through two neighbours on either side. The curvature of the curve counts as noise in the first where rows are far
-//! apart; the smaller of both is taken. A knee, a jump and a yield drop differ from their neighbours, too: the largest differences near a
-//! row are left out.
+//! Each stress is compared with the straight line between its neighbours (Gasser, Sroka and Jennen-Steinmetz, Biometrika 73, 1986, 625-633) and
+//! with the cubic through two neighbours on either side. If rows are far apart, the first estimate includes the curvature of the curve; the smaller
+//! of the two estimates is used. A knee, a jump and a yield drop also differ from their neighbours: the largest differences near a row are
+//! discarded.
 
-/// Rows on either side whose differences tell the noise at a row.
+/// Number of rows on either side whose differences are used for the noise at a row.
 const NEAR: usize = 25;
 
-/// Part of the differences that is used, the smallest ones.
+/// Fraction of the differences that is used, the smallest ones.
 const KEPT: f64 = 0.8;
 
 /// Mean of the smallest [`KEPT`] of the squares of standard normal numbers.
 const MEAN_OF_KEPT: f64 = 0.4377;
 
-/// Variance of the noise at each row, Pa^2; of a step of rounding at least, which neighbours on one step do not show.
+/// Returns the variance of the noise at each row, Pa^2; at least that of the rounding step, which neighbours within one step do not show.
 pub(super) fn variances(rows: &[(f64, f64)], resolution: f64) -> Vec<f64> {
     let rounding = resolution * resolution / 12.0;
     let [line, cubic] = [scale(&squares::<1>(rows)), scale(&squares::<2>(rows))];
@@ -24,8 +24,8 @@ pub(super) fn variances(rows: &[(f64, f64)], resolution: f64) -> Vec<f64> {
     (0..rows.len()).map(|row| at(row, &line, 1).min(at(row, &cubic, 2)).max(rounding)).collect()
 }
 
-/// Squared differences of the inner rows from the polynomial through `N` neighbours on either side, over the variance that white noise of
-/// variance 1 gives them.
+/// Returns the squared differences of the inner rows from the polynomial through `N` neighbours on either side, over their variance for white noise
+/// of variance 1.
 fn squares<const N: usize>(rows: &[(f64, f64)]) -> Vec<f64> {
     rows.windows(2 * N + 1)
         .map(|near| {
@@ -42,7 +42,7 @@ fn squares<const N: usize>(rows: &[(f64, f64)]) -> Vec<f64> {
         .collect()
 }
 
-/// The mean square near each place, without the largest ones.
+/// Returns the mean square near each row without the largest values.
 fn scale(squares: &[f64]) -> Vec<f64> {
     let mean = |k: usize| {
         let mut near = squares[k.saturating_sub(NEAR)..(k + NEAR + 1).min(squares.len())].to_vec();

@@ -1,4 +1,4 @@
-//! The reduction of one record.
+//! The reduction of one record to a curve.
 
 use serde::Serialize;
 
@@ -11,25 +11,25 @@ use crate::error::InputError;
 use crate::input::{Allowed, Checked, finite, member, optional};
 use crate::units::Dimension;
 
-/// How a record is reduced.
+/// Settings of the reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reduce {
-    /// Elastic modulus, Pa, > 0, if it is known better than by the record.
+    /// Elastic modulus, Pa, > 0, if it is known more accurately than from the record.
     pub modulus: Option<f64>,
-    /// The extensions include those of machine and grips: strains are corrected so that the elastic line has the modulus.
+    /// Whether the extensions include those of machine and grips: strains are then corrected so that the elastic line has the slope `modulus`.
     pub compliance: bool,
-    /// Stresses between which the elastic line is fitted, Pa, 0 <= low < high; none: they are searched for.
+    /// Stresses between which the elastic line is fitted, Pa, 0 <= low < high; `None`: they are searched for.
     pub elastic_range: Option<[f64; 2]>,
-    /// Strains are shifted so that the elastic line starts at zero.
+    /// Whether strains are shifted so that the elastic line starts at zero.
     pub toe: bool,
-    /// Width in strain of the window of the smoothing, > 0; none: as wide as curve and noise allow.
+    /// Width in strain of the smoothing window, > 0; `None`: as wide as curve and noise allow.
     pub window: Option<f64>,
-    /// Largest distance in stress of the knots' curve from the smoothed one, over the largest stress; the impact velocity of no piece
-    /// between two knots differs by more than this part, either. 1e-5 to 0.05.
+    /// Largest stress difference between the curve of the knots and the smoothed one, over the largest stress, and largest relative difference of
+    /// the impact velocity of each segment between two knots. 1e-5 to 0.05.
     pub tolerance: f64,
-    /// Step to which the stresses of the record are rounded, Pa; 0: none.
+    /// Step to which the stresses of the record are rounded, Pa; 0 if they are not rounded.
     pub stress_step: f64,
-    /// Step to which its strains are rounded; 0: none.
+    /// Step to which the strains of the record are rounded; 0 if they are not rounded.
     pub strain_step: f64,
 }
 
@@ -51,28 +51,28 @@ impl Default for Reduce {
 impl Reduce {
     /// Default tolerance of the knots.
     pub const TOLERANCE: f64 = 1e-3;
-    /// Fewest rows of a record; fewer are a table, which is kept as it is.
+    /// Smallest number of rows of a record; fewer rows are a table, which is used without reduction.
     pub const FEWEST_ROWS: usize = 50;
 
-    /// Its numbers.
+    /// Checks that the numbers are within their ranges.
     pub(crate) fn check(&self) -> Checked {
         optional("modulus", self.modulus, Dimension::Stress, Allowed::Positive)?;
         self.elastic_range.map_or(Ok(()), check_range)?;
         optional("window", self.window, Dimension::None, Allowed::Positive)?;
         check_tolerance(self.tolerance)?;
-        // Values of which none differs have no step.
+        // The step of values that are all equal is infinite.
         let step = |step: f64| Some(step).filter(|step| *step != f64::INFINITY);
         optional("stress_step", step(self.stress_step), Dimension::Stress, Allowed::NotNegative)?;
         optional("strain_step", step(self.strain_step), Dimension::None, Allowed::NotNegative)
     }
 }
 
-/// A tolerance of knots.
+/// Checks the tolerance of knots.
 pub(super) fn check_tolerance(tolerance: f64) -> Checked {
     member("tolerance", tolerance, Dimension::None, Allowed::Within(1e-5, 0.05))
 }
 
-/// Stresses between which an elastic line is fitted, Pa.
+/// Checks the stresses between which an elastic line is fitted, Pa.
 pub(super) fn check_range([low, high]: [f64; 2]) -> Checked {
     if low >= 0.0 && high > low && high.is_finite() {
         return Ok(());
@@ -82,40 +82,40 @@ pub(super) fn check_range([low, high]: [f64; 2]) -> Checked {
     Err(error.allowed("0 <= low < high").help("name the smaller stress first"))
 }
 
-/// Offset of the proof stress.
+/// Plastic strain of the proof stress.
 pub const PROOF_OFFSET: f64 = 0.002;
 
-/// Largest standard error of the modulus, relative, with which it counts as determined (ASTM E111: coefficient of variation of the slope).
+/// Largest relative standard error of a modulus that counts as determined (ASTM E111: coefficient of variation of the slope).
 const UNCERTAIN: f64 = 0.02;
 
-/// A record and the curve made of it.
+/// The curve of a record, and the properties determined on the way.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reduction {
-    /// Rows of the record.
+    /// Number of rows of the record.
     pub rows: usize,
-    /// The elastic line in the strains of the record.
+    /// Elastic line in the strains of the record.
     pub line: ElasticLine,
     /// Elastic modulus, Pa.
     #[serde(rename = "modulus_Pa")]
     pub modulus: f64,
-    /// Stress at a plastic strain of 0.2 %, Pa; none where the curve ends before.
+    /// Stress at a plastic strain of 0.2 %, Pa; `None` if the curve ends before.
     #[serde(rename = "proof_stress_Pa")]
     pub proof_stress: Option<f64>,
     /// Strain and stress (Pa) at the largest force.
     pub maximum: (f64, f64),
-    /// Strain and stress (Pa) before the fracture, if the record holds one.
+    /// Strain and stress (Pa) before the fracture, if the record contains one.
     pub fracture: Option<(f64, f64)>,
     /// Standard deviation of the noise of the stress, Pa.
     #[serde(rename = "noise_Pa")]
     pub noise: f64,
-    /// (strain, stress in Pa) from the origin, the second one the end of the elastic line.
+    /// Knots (strain, stress in Pa) from the origin; the second one is the end of the elastic line.
     pub knots: Vec<(f64, f64)>,
     /// One sentence for each change of the record.
     pub changes: Vec<String>,
 }
 
 impl Reduction {
-    /// Strains or stresses had negative signs, as they often have in compression.
+    /// Whether strains or stresses had negative signs, as is common in compression.
     pub fn had_negative_signs(&self) -> bool {
         self.changes.iter().any(|change| change == NEGATIVE_SIGNS)
     }
@@ -124,7 +124,7 @@ impl Reduction {
 /// Reduces a record (engineering strain, engineering stress in Pa, in the order of the test) to a curve.
 ///
 /// # Errors
-/// Numbers out of range, rows that are not finite; a record without an elastic part, or without enough rows.
+/// A number is out of range or not finite, or the record has no elastic part or not enough rows.
 pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputError> {
     how.check()?;
     finite("record.strain", record.iter().map(|row| row.0))?;
@@ -137,7 +137,7 @@ pub fn reduce(record: &[(f64, f64)], how: &Reduce) -> Result<Reduction, InputErr
         let error = error.allowed(format!("at least {} rows of growing strain", Reduce::FEWEST_ROWS));
         return Err(error.help("check the columns"));
     }
-    // The mean of evenly timed rows of one strain is the nearer to it the more there are.
+    // The more evenly timed rows share a strain, the more accurate is their mean.
     let variance = |rows: &usize| (how.strain_step / *rows as f64).powi(2) / 12.0;
     let rounding: Vec<f64> = cleaned.of_one_strain.iter().map(variance).collect();
     let variances = noise::variances(&rows, how.stress_step);
@@ -192,10 +192,10 @@ fn no_line(how: &Reduce, largest: f64) -> InputError {
     InputError::new(message).key("elastic_range").allowed(allowed).help("name an interval below the yield stress")
 }
 
-/// A window of the smoothing hides the shape of a curve that is not longer than some windows.
+/// Smallest length of a curve in smoothing windows: a wider window hides the shape of the curve.
 const FEWEST_WINDOWS: f64 = 2.0;
 
-/// Refuses a window of the smoothing that is too long for a curve of this strain behind its elastic line.
+/// Checks that a smoothing window is not too wide for a curve of this strain after its elastic line.
 fn fits(window: f64, strain: f64) -> Result<(), InputError> {
     let most = strain / FEWEST_WINDOWS;
     if window <= most {
@@ -207,11 +207,11 @@ fn fits(window: f64, strain: f64) -> Result<(), InputError> {
     Err(error.help("give a smaller one, or leave it out to have the width chosen by curve and noise"))
 }
 
-/// A slope of the record that differs by more than this from a given modulus is not that of its elastic line.
+/// Relative difference from a given modulus above which the slope of the record is not that of its elastic line.
 const SAME_SLOPE: f64 = 0.05;
 
-/// Shifts strains so that the elastic line goes through the origin, and takes the compliance of machine and grips out if that is asked
-/// for. Returns the modulus and the last row on the elastic line.
+/// Shifts strains so that the elastic line passes through the origin, and removes the compliance of machine and grips if this is requested. Returns
+/// the modulus and the last row on the elastic line.
 fn correct(
     rows: &mut [(f64, f64)],
     line: &ElasticLine,
@@ -252,7 +252,7 @@ fn correct(
             line.slope / 1e9
         ));
     } else if (ratio - 1.0).abs() > SAME_SLOPE {
-        // The record has no part with the slope of the modulus: the line touches it where it is steepest at first.
+        // No part of the record has the slope of the modulus: the line touches the record at the start of its steepest part.
         (last, through) = (line.from, line.between[0].max(0.0));
         let message =
             "the line of the modulus is drawn through the first point of the steepest part, which has a slope of";
@@ -261,7 +261,7 @@ fn correct(
             line.slope / 1e9
         ));
     }
-    // Strain at which the line of the modulus has no stress.
+    // Strain at which the line of the modulus has zero stress.
     let found = line.origin + through * (1.0 / line.slope - compliance - 1.0 / modulus);
     let origin = if how.toe { found } else { 0.0 };
     changes.push(if how.toe {
@@ -276,7 +276,7 @@ fn correct(
     Ok((modulus, last.max(rows.partition_point(|row| row.0 <= 0.0))))
 }
 
-/// A curve with a largest stress inside that noise explains rises to its end. Returns a sentence where it was changed.
+/// Makes a curve rise to its end if noise explains a largest stress inside it. Returns a sentence if the curve was changed.
 fn end_rising(curve: &mut Vec<(f64, f64)>, rows: &[(f64, f64)], variances: &[f64], floor: f64) -> Option<String> {
     let (last, (strain, stress)) = (*curve.last()?, top(curve));
     if stress <= last.1 || maximum::falls(rows, variances, floor) {
@@ -290,21 +290,21 @@ fn end_rising(curve: &mut Vec<(f64, f64)>, rows: &[(f64, f64)], variances: &[f64
     ))
 }
 
-/// The point of the largest stress, the first of equal ones.
+/// Returns the point of the largest stress, the first of equal ones.
 fn top(curve: &[(f64, f64)]) -> (f64, f64) {
     curve.iter().copied().fold((0.0, 0.0), |a, b| if b.1 > a.1 { b } else { a })
 }
 
-/// A fall of the stress past the elastic line by more than so many standard deviations of the noise, and by more than this part of it, is
-/// an upper yield point.
+/// A fall of the stress after the elastic line is an upper yield point if it exceeds this number of standard deviations of the noise, and
+/// [`YIELD_DROP`] times the stress.
 const YIELD_DROP_NOISE: f64 = 4.0;
 const YIELD_DROP: f64 = 0.02;
 
-/// A gap in the rows past the elastic line that is longer than the line, and than that of this part of the largest stress, is too long for
-/// the tangent behind it to tell the elastic limit: the curve is straight there.
+/// If the rows after the elastic line have a gap longer than the line, and than the elastic strain at this fraction of the largest stress, the
+/// tangent after the gap cannot give the elastic limit: the curve is straight across the gap.
 const SHORT_LINE: f64 = 0.1;
 
-/// The elastic line and the smoothed curve behind it; no slope is above the modulus. `start` is the last row on the line.
+/// Returns the elastic line and the smoothed curve after it; no slope exceeds the modulus. `start` is the last row on the line.
 fn whole_curve(
     (rows, variances, largest): (&[(f64, f64)], &[f64], f64),
     start: usize,
@@ -329,8 +329,8 @@ fn whole_curve(
     curve
 }
 
-/// Strain at the end of the elastic line: where the curve behind it, prolonged by its tangent, meets it. `last` is the last row that may lie
-/// on the line; if it is an upper yield point it is the end.
+/// Returns the strain at the end of the elastic line, where it meets the tangent of the curve after it. `last` is the last row that may lie on the
+/// line; if it is an upper yield point, it is the end.
 fn elastic_limit((last, upper): (f64, f64), smoothed: &Smooth, modulus: f64, noise: f64) -> f64 {
     let Some(&(strain, stress)) = smoothed.curve.first() else { return last };
     let drop = upper.min(modulus * last) - stress;
@@ -341,7 +341,8 @@ fn elastic_limit((last, upper): (f64, f64), smoothed: &Smooth, modulus: f64, noi
     ((stress - slope * strain) / (modulus - slope)).clamp(0.5 * last, strain)
 }
 
-/// Where the line of the modulus through a plastic strain of 0.2 % crosses the curve (ASTM E8/E8M, offset method; ISO 6892-1).
+/// Returns the stress at which the line with the slope of the modulus and a plastic strain of 0.2 % intersects the curve (ASTM E8/E8M, offset
+/// method; ISO 6892-1).
 fn proof_stress(curve: &[(f64, f64)], modulus: f64) -> Option<f64> {
     let above = |(strain, stress): (f64, f64)| stress - modulus * (strain - PROOF_OFFSET);
     let pair = curve.windows(2).find(|pair| above(pair[0]) > 0.0 && above(pair[1]) <= 0.0)?;
@@ -349,17 +350,17 @@ fn proof_stress(curve: &[(f64, f64)], modulus: f64) -> Option<f64> {
     Some(pair[0].1 + part * (pair[1].1 - pair[0].1))
 }
 
-/// Without the rounding of a factor.
+/// Formats a number without the rounding error of a factor.
 fn decimal(value: f64) -> String {
     six_digits(value).to_string()
 }
 
-/// A modulus in as many digits as it is known in, so that files stay readable.
+/// Rounds a modulus to six significant digits, so that files stay readable.
 pub(super) fn six_digits(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Knots in steps of 100 Pa and 1e-9; the second one stays on the elastic line.
+/// Rounds knots to steps of 100 Pa and 1e-9; the second one stays on the elastic line.
 pub(super) fn rounded(knots: &[(f64, f64)], modulus: f64) -> Vec<(f64, f64)> {
     let mut rows: Vec<(f64, f64)> = Vec::new();
     for (k, &(strain, stress)) in knots.iter().enumerate() {

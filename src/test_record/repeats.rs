@@ -1,4 +1,4 @@
-//! One curve with a band from several repeats of one test.
+//! One mean curve with a scatter band from several repeats of one test.
 
 use super::decimate::decimate;
 use super::reduce::{Reduction, check_tolerance, rounded, six_digits};
@@ -10,23 +10,24 @@ use crate::material::{Beyond, Curve, Scatter, TestCurve, check_tests, mean_curve
 pub struct Repeats {
     /// Mean modulus, Pa.
     pub modulus: f64,
-    /// (strain, stress in Pa) of the mean curve from the origin, the second one the end of the elastic line.
+    /// Knots (strain, stress in Pa) of the mean curve from the origin; the second one is the end of the elastic line.
     pub knots: Vec<(f64, f64)>,
-    /// What happens past the last knot: all tests that reached it broke there, or nothing is known.
+    /// Behaviour after the last knot: rupture if all tests that reached it broke there, otherwise unknown.
     pub beyond: Beyond,
-    /// One sentence where the tests are hardly of one material, and for each that does not reach as far as the mean.
+    /// One sentence if the tests are hardly of one material, and one for each test that ends before the mean curve.
     pub notes: Vec<String>,
-    /// What `[band]` of the material file holds.
+    /// Contents of `[band]` of the material file.
     pub scatter: Scatter,
 }
 
-/// The knots of the mean are so many times nearer to it than those of a test are to its record: they add little to what those have lost.
+/// Factor by which the knots of the mean are closer to it than those of a test are to its record, so that they add little to the error of the
+/// latter.
 const FINER: f64 = 4.0;
 
-/// Combines reduced records (name, reduction). `tolerance` is that of the knots, over the largest stress.
+/// Combines reduced records (name, reduction). `tolerance` is that of the knots, relative to the largest stress.
 ///
 /// # Errors
-/// No test; a tolerance out of range; a reduction whose knots are no curve.
+/// There is no test, the tolerance is out of range, or the knots of a reduction do not form a curve.
 pub fn combine(tests: &[(String, Reduction)], tolerance: f64) -> Result<Repeats, InputError> {
     check_tolerance(tolerance)?;
     check_tests(tests.len())?;
@@ -47,10 +48,10 @@ pub fn combine(tests: &[(String, Reduction)], tolerance: f64) -> Result<Repeats,
     Ok(Repeats { modulus, knots, beyond, notes, scatter: Scatter { deviation, tests } })
 }
 
-/// Repeats of one test differ by less than this part of the mean.
+/// Largest difference between repeats of one test, relative to the mean.
 const ALIKE: f64 = 0.2;
 
-/// What makes the tests look like those of different materials.
+/// Returns a sentence if the tests look like those of different materials.
 fn differing(tests: &[TestCurve]) -> Option<String> {
     let shortest = tests.iter().map(|test| test.curve.last_strain()).fold(f64::INFINITY, f64::min);
     let named = [
@@ -72,13 +73,13 @@ fn differing(tests: &[TestCurve]) -> Option<String> {
     })
 }
 
-/// The largest stress of a test up to a strain, Pa.
+/// Returns the largest stress of a test up to a strain, Pa.
 fn largest_stress(test: &TestCurve, strain: f64) -> f64 {
     let rows = test.curve.strain().iter().zip(test.curve.stress()).filter(|(at, _)| **at <= strain);
     rows.map(|(_, stress)| *stress).fold(test.curve.stress_at(strain), f64::max)
 }
 
-/// What the tests that stopped while their stress rose take part in.
+/// Returns a sentence for each test that was stopped while its stress rose, about its part in the mean curve.
 fn stopped(tests: &[TestCurve]) -> Vec<String> {
     let of = |test: &TestCurve| {
         let (record, strain) = (&test.record, test.curve.last_strain());
@@ -92,7 +93,7 @@ fn stopped(tests: &[TestCurve]) -> Vec<String> {
     tests.iter().filter(ends).map(of).collect()
 }
 
-/// Standard deviation of the stress at the strains of the knots, as far as all tests go.
+/// Returns the standard deviation of the stress at the strains of the knots, up to the end of the shortest test.
 fn deviation(tests: &[TestCurve], knots: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let shortest = tests.iter().map(|test| test.curve.last_strain()).fold(f64::INFINITY, f64::min);
     let count = tests.len() as f64;

@@ -1,6 +1,7 @@
 //! The steps to which the values of a record are rounded.
 
-/// The step to which stresses are rounded, Pa: the least difference between two of them where a quarter repeats the one before; otherwise 0.
+/// Returns the step to which stresses are rounded, Pa: their smallest difference (infinite if all are equal) if at least a quarter of them equal
+/// the previous one; otherwise 0.
 pub fn stress_step(stresses: impl Iterator<Item = f64>) -> f64 {
     let mut stresses: Vec<f64> = stresses.collect();
     let repeated = stresses.windows(2).filter(|pair| pair[0] == pair[1]).count();
@@ -12,11 +13,11 @@ pub fn stress_step(stresses: impl Iterator<Item = f64>) -> f64 {
     stresses.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > least).fold(f64::INFINITY, f64::min)
 }
 
-/// Part of the largest strain that is no difference between two spacings: instruments store seven digits.
+/// Difference between two spacings, relative to the largest strain, that is neglected: instruments store seven digits.
 const SAME: f64 = 3e-7;
 
-/// The step to which strains are rounded: the least by which a spacing differs from the two beside it, which are alike, where all spacings
-/// are multiples of it; otherwise 0. Even spacings, and those of two rates of a test, are exact.
+/// Returns the step to which strains are rounded: the smallest difference between a spacing and its two neighbours, which are equal, if all
+/// spacings are multiples of it; otherwise 0. Even spacings, and those of a test at two rates, are exact.
 pub fn strain_step(strains: impl Iterator<Item = f64>) -> f64 {
     let strains: Vec<f64> = strains.collect();
     let same = SAME * strains.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -24,7 +25,7 @@ pub fn strain_step(strains: impl Iterator<Item = f64>) -> f64 {
     let between_alike = spacings.windows(3).filter(|three| (three[0] - three[2]).abs() <= same);
     let steps: Vec<f64> = between_alike.map(|three| (three[1] - three[0]).abs()).filter(|step| *step > same).collect();
     let least = steps.iter().copied().fold(f64::INFINITY, f64::min);
-    // The mean, since a spacing of many steps multiplies the error of one.
+    // The mean is used because a spacing of many steps multiplies the error of a single step.
     let single = steps.iter().filter(|step| **step < 1.5 * least);
     let step = single.clone().sum::<f64>() / single.count() as f64;
     let is_multiple = |spacing: &f64| (spacing - step * (spacing / step).round()).abs() <= same;

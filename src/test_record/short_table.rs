@@ -1,7 +1,7 @@
-//! The elastic part of a table of few rows.
+//! The elastic part of a table with few rows.
 //!
-//! Rows read off a figure scatter about the elastic line: some pairs are steeper than others, and the steepest of them would be the
-//! modulus, with an elastic limit of zero. Where the stresses of the elastic part are named, a line takes its place.
+//! Rows read off a figure scatter about the elastic line: some pairs are steeper than others, and the steepest of them would give the modulus, with
+//! an elastic limit of zero. If the stresses of the elastic part are given, a line replaces it.
 
 use super::clean::count;
 use super::fit::line;
@@ -11,7 +11,7 @@ use crate::input::{Allowed, optional};
 use crate::material::SLOPE_ROUND_OFF;
 use crate::units::Dimension;
 
-/// Fewest rows, the origin among them, that make a line.
+/// Smallest number of rows, including the origin, for a line.
 const FEWEST: usize = 3;
 
 /// A table that begins with a straight line.
@@ -19,19 +19,20 @@ const FEWEST: usize = 3;
 pub struct Straightened {
     /// Slope of the line, Pa.
     pub modulus: f64,
-    /// (strain, stress in Pa), increasing: the origin, the end of the line, and the rows above it.
+    /// Rows (strain, stress in Pa), increasing: the origin, the end of the line, and the rows above it.
     pub rows: Vec<(f64, f64)>,
-    /// What was done, in one sentence.
+    /// The change that was made, in one sentence.
     pub change: String,
 }
 
-/// Replaces the rows with stresses of `range` (Pa), and those below it, by the line of least squares through them, or by that of the
-/// `modulus` (Pa) through their middle. With `toe` strains are shifted so that it starts at zero, else it goes through the origin.
+/// Replaces the rows with stresses in `range` (Pa), and those below it, by the least-squares line through them, or by the line with the slope
+/// `modulus` (Pa) through their mean. If `toe` is true, strains are shifted so that the line starts at zero; otherwise it passes through the
+/// origin.
 ///
 /// `rows` are strain and stress (Pa), increasing in strain.
 ///
 /// # Errors
-/// Numbers out of range; fewer than three rows in the range, a line that does not rise, or one that the row above it lies left of.
+/// A number is out of range, the range has fewer than three rows, the line does not rise, or the row above it lies above the line.
 pub fn straighten(
     rows: &[(f64, f64)],
     range: [f64; 2],

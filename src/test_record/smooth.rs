@@ -1,8 +1,8 @@
-//! Smoothing of the plastic part of a record by local regression, at as many strains as its shape needs.
+//! Smoothing of the plastic part of a record by local regression, evaluated at as many strains as its shape requires.
 //!
-//! Windows reach half of the way to the end of the elastic line at most, since curves of metals bend the less the farther they are from
-//! yield, or as far as it takes to bring the noise down to a thousandth of the largest stress. Between two strains the curve is straight:
-//! at a knee, a yield drop or a serration rows are put in between.
+//! The half-width of a window is at most half of the distance to the end of the elastic line, since curves of metals bend less the farther they are
+//! from yield, or as wide as necessary to reduce the noise to a thousandth of the largest stress. Between two strains the curve is straight: at a
+//! knee, a yield drop or a serration, rows are inserted.
 
 use super::fit::{Estimate, parabola};
 use super::local::{AGREE, Local};
@@ -10,36 +10,37 @@ use super::local::{AGREE, Local};
 /// Half-width over the distance to the end of the elastic line.
 const HALF_WIDTH: f64 = 0.5;
 
-/// Fewest rows on either side, where there are any, of a window that is asked for, and most for the sake of noise.
+/// Smallest number of rows on either side of a window of given width, as far as there are any.
 const FEWEST: usize = 5;
+/// Largest number of rows on either side of a window that the noise requires.
 const MOST: f64 = 200.0;
 
-/// Standard error to which noise is brought down, over the largest stress.
+/// Standard error to which noise is reduced, over the largest stress.
 const PRECISION: f64 = 1e-3;
 
 /// Standard error of a local parabola with tricube weights over that of the mean of its rows.
 const PARABOLA: f64 = 1.9;
 
-/// Differences below this part of the largest stress are none.
+/// Stress difference that is neglected, over the largest stress.
 pub(super) const FLOOR: f64 = 2e-4;
 
-/// Strains at which the curve is evaluated grow by this factor, from the end of the elastic line.
+/// Factor by which the strains at which the curve is evaluated grow, measured from the end of the elastic line.
 const STEP: f64 = 1.03;
 
-/// Rows between two such strains up to which the curve is evaluated at the rows.
+/// Number of rows between two such strains up to which the curve is evaluated at the rows instead.
 const SPARSE: usize = 2;
 
 /// A smoothed curve.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Smooth {
-    /// (strain, stress) from the first row to the last.
+    /// Points (strain, stress) from the first row to the last.
     pub curve: Vec<(f64, f64)>,
     /// Slope at the first row.
     pub slope: f64,
 }
 
-/// Smooths rows (strain increasing), the first of which are the first past the elastic line, by a window of a given width in strain or as the
-/// rows ask for.
+/// Smooths rows (strain increasing), which start after the elastic line, with a window of a given width in strain or with a width that depends on
+/// the rows.
 pub(super) fn smooth(rows: &[(f64, f64)], variances: &[f64], largest: f64, window: Option<f64>) -> Smooth {
     let local = Local { rows, variances, floor: FLOOR * largest };
     let precise = (PRECISION * largest / PARABOLA).powi(2);
@@ -57,7 +58,7 @@ pub(super) fn smooth(rows: &[(f64, f64)], variances: &[f64], largest: f64, windo
     Smooth { curve, slope }
 }
 
-/// The curve, with rows between its points where it is not straight.
+/// Returns the curve with additional points where it is not straight between two of `points`.
 fn refined(local: &Local<'_>, points: &[(f64, Estimate)], half_width: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     let mut curve: Vec<(f64, f64)> = points.iter().take(1).map(|(strain, point)| (*strain, point.value)).collect();
     for pair in points.windows(2) {
@@ -76,7 +77,8 @@ fn refined(local: &Local<'_>, points: &[(f64, Estimate)], half_width: impl Fn(f6
     curve
 }
 
-/// The rows where they are sparse, and strains whose distance from the first row grows like a geometric series where they are dense.
+/// Returns the strains of evaluation: the rows where they are sparse, and strains at geometrically growing distances from the first row where they
+/// are dense.
 fn strains(rows: &[(f64, f64)]) -> Vec<f64> {
     let (start, end) = (rows[0].0, rows[rows.len() - 1].0);
     let first = (2.0 * (rows[rows.len().min(9) - 1].0 - start) / 8.0).max(1e-6 * (end - start));
@@ -94,8 +96,8 @@ fn strains(rows: &[(f64, f64)]) -> Vec<f64> {
     strains
 }
 
-/// The largest half-width at a strain: [`HALF_WIDTH`] of the distance to the first row, or what the noise needs. At the first row, whose
-/// tangent tells the elastic limit, the distance is that from the origin.
+/// Returns the largest half-width at a strain: [`HALF_WIDTH`] times the distance to the first row, or as much as the noise requires. At the first
+/// row, whose tangent gives the elastic limit, the distance is that to the origin.
 fn widest(local: &Local<'_>, strain: f64, precise: f64) -> f64 {
     let at = local.rows.partition_point(|row| row.0 < strain).min(local.rows.len() - 1);
     let near = &local.variances[at..(at + 50).min(local.variances.len())];
@@ -106,7 +108,7 @@ fn widest(local: &Local<'_>, strain: f64, precise: f64) -> f64 {
     (HALF_WIDTH * distance).max(local.holding(strain, needed))
 }
 
-/// Adds the vertex of the parabola through the largest value and its neighbours, unless it is far above them, as at a sharp peak.
+/// Inserts the vertex of the parabola through the largest value and its neighbours, unless it is far above them, as at a sharp peak.
 fn insert_maximum(curve: &mut Vec<(f64, f64)>, floor: f64) {
     let Some(top) = (0..curve.len()).max_by(|a, b| curve[*a].1.total_cmp(&curve[*b].1)) else { return };
     if top == 0 || top + 1 >= curve.len() {

@@ -1,4 +1,4 @@
-//! Rows of strain and stress from the file of a record.
+//! Reading of rows of strain and stress from the file of a record.
 
 use std::path::Path;
 
@@ -8,31 +8,31 @@ use crate::error::{Error, InputError, Result};
 use crate::input::Document;
 use crate::material::Measure;
 
-/// Which columns of a record are meant, by name or number (from 1), in which units, and the specimen's dimensions.
+/// Selection of the columns of a record, by heading or number (from 1), their units, and the dimensions of the specimen.
 #[derive(Debug, Clone, Default)]
 pub struct Reading {
-    /// The column of strain or extension; none: the one whose heading says so.
+    /// Column of strain or extension; `None`: the one identified by its heading.
     pub abscissa: Option<(Kind, String)>,
-    /// The column of stress or force.
+    /// Column of stress or force; `None`: the one identified by its heading.
     pub ordinate: Option<(Kind, String)>,
-    /// Unit of the strains or extensions where the file names none.
+    /// Unit of the strains or extensions if the file states none.
     pub abscissa_unit: Option<String>,
-    /// Unit of the stresses or forces where the file names none.
+    /// Unit of the stresses or forces if the file states none.
     pub ordinate_unit: Option<String>,
     /// Gauge length, m.
     pub gauge_length: Option<f64>,
     /// Initial area of the cross-section, m^2.
     pub area: Option<f64>,
-    /// Measure of strains and stresses; none: that which the headings name.
+    /// Measure of strains and stresses; `None`: the one stated in the headings.
     pub measure: Option<Measure>,
 }
 
-/// Which units of a record are named by the file or the options.
+/// Whether the file or the options state the units of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitsNamed {
-    /// Of strains; extensions without a unit are metres.
+    /// Whether the unit of strains is stated; extensions without a unit are in metres.
     pub strain: bool,
-    /// Of stresses or forces.
+    /// Whether the unit of stresses or forces is stated.
     pub stress: bool,
 }
 
@@ -41,30 +41,30 @@ pub struct UnitsNamed {
 pub struct Record {
     /// Name of the file.
     pub name: String,
-    /// (strain, stress in Pa), with the signs of the file.
+    /// Rows (strain, stress in Pa), with the signs of the file.
     pub rows: Vec<(f64, f64)>,
-    /// What was read and how: columns, units, dimensions.
+    /// Description of what was read: columns, units, dimensions.
     pub columns: String,
-    /// Which units the file or the options name.
+    /// Whether the file or the options state the units.
     pub units_named: UnitsNamed,
-    /// The measure that the headings name; none where they name none.
+    /// Measure stated in the headings; `None` if they state none.
     pub measure: Option<Measure>,
-    /// The heading of the strains or extensions, where it says that they are those of the crosshead.
+    /// Heading of the strains or extensions if it says that they are those of the crosshead.
     pub machine: Option<String>,
-    /// A heading of shear.
+    /// Heading of a column of shear, if there is one.
     pub shear: Option<String>,
     document: Document,
     spans: Vec<std::ops::Range<usize>>,
 }
 
 impl Record {
-    /// An error at a row (from 0) of the record.
+    /// Creates an error at a row (from 0) of the record.
     pub fn error(&self, row: usize, message: impl Into<String>) -> InputError {
         self.document.error(self.spans.get(row).cloned().unwrap_or(0..0), "", message)
     }
 }
 
-/// A chosen column.
+/// A selected column.
 struct Column {
     kind: Kind,
     place: usize,
@@ -76,8 +76,8 @@ struct Column {
 /// Reads a record.
 ///
 /// # Errors
-/// A missing file, one without numbers, columns that are not there or not clear, an unknown unit, a cell that is not a number, dimensions
-/// of the specimen that are missing or not needed.
+/// The file is missing or has no numbers, columns are missing or ambiguous, a unit is unknown, a cell is not a number, or dimensions of the
+/// specimen are missing or not needed.
 pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
     let (document, encoding) = Document::read_record(path)?;
     let mut table = columns::table(&document)?;
@@ -108,7 +108,7 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Record> {
     Ok(Record { name, rows, columns, units_named, measure, machine, shear, document, spans })
 }
 
-/// The name of a record: that of its file, without the folder.
+/// Returns the name of a record: that of its file, without the folder.
 pub fn name(path: &Path) -> String {
     if path == Path::new("-") {
         return "standard input".into();
@@ -119,7 +119,7 @@ pub fn name(path: &Path) -> String {
 const ABSCISSA: [Kind; 2] = [Kind::Strain, Kind::Extension];
 const ORDINATE: [Kind; 2] = [Kind::Stress, Kind::Force];
 
-/// The columns of strain and stress. Engineering values are preferred, unless only one of the two has them.
+/// Returns the columns of strain and stress. Engineering values are preferred, unless only one of the two has them.
 fn pair(document: &Document, table: &Table, reading: &Reading) -> Result<[(Kind, usize); 2]> {
     let both = |prefer: Measure| -> Result<[(Kind, usize); 2]> {
         Ok([
@@ -139,8 +139,8 @@ fn pair(document: &Document, table: &Table, reading: &Reading) -> Result<[(Kind,
     Ok(both(Measure::True).ok().filter(|others| are_true(others) == 2).unwrap_or(columns))
 }
 
-/// The measure that the headings of the two columns name; none where they name none. A heading that names true values beside one that names nothing
-/// may be on either: programs call strains true that stand beside engineering stresses.
+/// Returns the measure stated in the headings of the two columns; `None` if they state none. If only one heading states true values, the measure is
+/// ambiguous, which is an error: some programs label strains as true beside engineering stresses.
 fn measure(document: &Document, table: &Table, columns: [&Column; 2], reading: &Reading) -> Result<Option<Measure>> {
     if reading.measure == Some(Measure::True) {
         on_current_dimensions(columns)?;
@@ -156,7 +156,7 @@ fn measure(document: &Document, table: &Table, columns: [&Column; 2], reading: &
     Err(document.error(span, "measure", message).allowed("both engineering or both true").help(help).into())
 }
 
-/// Refuses true values of columns that are divided by the initial gauge length or cross-section.
+/// Rejects true values in columns that are divided by the initial gauge length or cross-section.
 fn on_current_dimensions(columns: [&Column; 2]) -> Result<()> {
     let divided = |column: &&Column| matches!(column.kind, Kind::Extension | Kind::Force);
     let Some(column) = columns.into_iter().find(divided) else { return Ok(()) };
@@ -184,8 +184,8 @@ fn describe(table: &Table, abscissa: &Column, ordinate: &Column) -> String {
     format!("{} rows, {} and {}{others}{preamble}", table.rows.len(), title(abscissa), title(ordinate))
 }
 
-/// The column of one of two kinds: the one that is asked for, or the one whose heading says so. Without headings the columns are strain
-/// and stress.
+/// Returns the column of one of two kinds: the requested one, or the one identified by its heading. Without headings the two columns are strain and
+/// stress.
 fn choose(
     document: &Document,
     table: &Table,
@@ -226,7 +226,7 @@ fn choose(
     Err(document.error(header.span.clone(), "", message).allowed(titles(header, &all)).help(help).into())
 }
 
-/// The columns of two kinds, the better groups first: the first kind before the second, but an extensometer before the strain of a crosshead.
+/// Returns the columns of two kinds in order of preference: the first kind before the second, but an extensometer before the strain of a crosshead.
 fn groups(table: &Table, header: &Line, kinds: [Kind; 2]) -> [Vec<(Kind, usize)>; 4] {
     let of_kind = |kind: Kind, wanted: &dyn Fn(Place) -> bool| {
         let fits = |k: &usize| {
@@ -242,7 +242,7 @@ fn groups(table: &Table, header: &Line, kinds: [Kind; 2]) -> [Vec<(Kind, usize)>
     ]
 }
 
-/// Of several columns of one kind those of an extensometer, where there are any, and of these those that are not of the other measure.
+/// Returns, of several columns of one kind, those of an extensometer if there are any, and of these the ones that are not of the other measure.
 fn narrowed(header: &Line, columns: &[(Kind, usize)], prefer: Measure) -> Vec<(Kind, usize)> {
     let title = |column: &(Kind, usize)| header.cells[column.1].text.as_str();
     let specimen = |column: &&(Kind, usize)| heading::place(title(column)) == Place::Specimen;
@@ -255,13 +255,13 @@ fn narrowed(header: &Line, columns: &[(Kind, usize)], prefer: Measure) -> Vec<(K
     });
     let neutral: Vec<_> =
         best.iter().filter(|column| !same.contains(column) && !other.contains(column)).copied().collect();
-    // A heading without a measure beside one of true values is that of engineering ones.
+    // A heading without a measure next to one of true values denotes engineering values.
     let order =
         if prefer == Measure::True { [same, neutral, other] } else { [[same, neutral].concat(), other, Vec::new()] };
     order.into_iter().find(|columns| !columns.is_empty()).unwrap_or_default()
 }
 
-/// The other columns of two kinds, which could have been meant.
+/// Returns the headings of the other columns of two kinds, which could have been meant.
 fn not_used(table: &Table, kinds: [Kind; 2], taken: usize) -> Vec<String> {
     let Some(header) = &table.header else { return Vec::new() };
     let other = |k: &usize| *k != taken && heading::kind(&whole(table, *k)).is_some_and(|kind| kinds.contains(&kind));
@@ -272,7 +272,7 @@ fn titles(header: &Line, places: &[usize]) -> String {
     places.iter().map(|k| format!("`{}`", header.cells[*k].text)).collect::<Vec<_>>().join(", ")
 }
 
-/// A heading with the unit of the line below, if it has none of its own.
+/// Returns a heading, with the unit of the line below if it has none of its own.
 fn whole(table: &Table, place: usize) -> Heading {
     let title = table.header.as_ref().and_then(|line| line.cells.get(place)).map_or("", |cell| cell.text.as_str());
     let mut heading = heading::split(title);
@@ -283,7 +283,7 @@ fn whole(table: &Table, place: usize) -> Heading {
     heading
 }
 
-/// The column with the SI size of its unit.
+/// Returns a column with the SI value of its unit.
 fn unit(
     document: &Document,
     table: &Table,
@@ -328,7 +328,7 @@ fn unit(
     })
 }
 
-/// What turns an extension into a strain, or a force into a stress; 1 where the column is one already.
+/// Returns the divisor that converts an extension to a strain, or a force to a stress; 1 if the column is one already.
 fn divisor(column: &Column, given: Option<f64>, needs: Kind, argument: &str, what: &str) -> Result<f64> {
     match (column.kind == needs, given) {
         (true, Some(value)) => Ok(value),

@@ -4,37 +4,37 @@ use std::fmt::Write as _;
 
 use crate::material::{Beyond, Measure, Scatter, Sense};
 
-/// What a material file states.
+/// Contents of a material file.
 #[derive(Debug, Clone)]
 pub struct MaterialText<'a> {
     /// Short name.
     pub name: &'a str,
     /// Description, one line.
     pub description: &'a str,
-    /// As typed: SI, or a number with a unit.
+    /// Density as typed: a number in SI, or with a unit.
     pub density: &'a str,
-    /// Pa; none: the steepest slope of the rows.
+    /// Modulus, Pa; `None`: the steepest slope of the rows.
     pub modulus: Option<f64>,
-    /// Whether the rows are engineering or true ones.
+    /// Whether the rows are engineering or true values.
     pub measure: Measure,
     /// Sense of loading in the test.
     pub sense: Sense,
-    /// Behaviour past the last row.
+    /// Behaviour after the last row.
     pub beyond: Beyond,
-    /// (strain, stress in Pa).
+    /// Rows (strain, stress in Pa).
     pub rows: &'a [(f64, f64)],
     /// Scatter of repeated tests.
     pub scatter: Option<&'a Scatter>,
-    /// What the record says and how it was reduced: comment lines.
+    /// Comment lines: contents of the record, and how it was reduced.
     pub comments: &'a [String],
-    /// The publication or report; none: the file says that it is missing.
+    /// Publication or report; `None`: the file says that it is missing.
     pub citation: Option<&'a str>,
     /// What was measured.
     pub measured: &'a str,
 }
 
 impl MaterialText<'_> {
-    /// The text of the file.
+    /// Returns the text of the file.
     pub fn toml(&self) -> String {
         let mut text = String::new();
         for comment in self.comments {
@@ -64,7 +64,7 @@ impl MaterialText<'_> {
     }
 }
 
-/// `[band]` and its tests.
+/// Returns the text of `[band]` and its tests.
 fn band(scatter: &Scatter) -> String {
     let mut text = format!(
         "\n# Scatter of the tests: standard deviation of the stress against strain, and the curve of each test. Runs ignore it.\n\
@@ -86,14 +86,15 @@ fn band(scatter: &Scatter) -> String {
     text
 }
 
-/// Rows of strain and MPa, four to a line.
+/// Formats rows of strain and stress in MPa, four to a line.
 fn table(rows: &[(f64, f64)]) -> String {
     let row = |&(strain, stress): &(f64, f64)| format!("[{}, {}]", strain, exact(stress / 1e6));
     let line = |four: &[(f64, f64)]| ["  ", &four.iter().map(row).collect::<Vec<_>>().join(", "), ",\n"].concat();
     rows.chunks(4).map(line).collect()
 }
 
-/// A modulus or a stress in as many digits as it has, without the rounding of a unit: rows on one line stay on it, and none is steeper than the modulus.
+/// Formats a modulus or a stress with all its digits, but without the rounding error of a unit: rows on one line stay on it, and none is steeper
+/// than the modulus.
 fn exact(value: f64) -> String {
     let rounded = |digits: usize| format!("{value:.digits$e}").parse::<f64>().ok();
     let same = |rounded: &f64| (rounded / value - 1.0).abs() <= 2.0 * f64::EPSILON;
@@ -108,7 +109,7 @@ fn beyond(beyond: Beyond) -> &'static str {
     }
 }
 
-/// A plain number stays one; anything else is text with a unit.
+/// Keeps a plain number; anything else is quoted as text with a unit.
 fn number(typed: &str) -> String {
     if typed.trim().parse::<f64>().is_ok_and(f64::is_finite) { typed.trim().to_owned() } else { quote(typed) }
 }

@@ -6,14 +6,14 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Unexpected, Visitor};
 
-/// What to expect, and what texts and tables mean; texts without a meaning are refused.
+/// Visitor with the expected input and the conversions of strings and tables; strings for which `text` returns `None` are refused.
 struct TextOrTable<T, R> {
     expecting: &'static str,
     text: fn(&str) -> Option<T>,
     table: fn(R) -> T,
 }
 
-/// Reads a text or a table. A derive of an untagged enum would lose the places of the numbers inside, and the names of wrong keys.
+/// Reads a string or a table. A derived untagged enum would lose the positions of the numbers inside, and the names of unknown keys.
 pub fn text_or_table<'de, D: Deserializer<'de>, T, R: Deserialize<'de>>(
     deserializer: D,
     expecting: &'static str,

@@ -1,4 +1,4 @@
-//! Typed values of keys: place in the text, and numbers with dimension, range and default as part of the type. Reading, messages
+//! Typed values of keys: a value has its position in the text, and the type of a number includes its dimension, range and default. Reading, messages
 //! and the JSON schema follow from the declaration.
 
 mod choice;
@@ -16,7 +16,7 @@ pub use values::{
     Positive, Range, Row, Rows, Within, pairs,
 };
 
-/// A plain number; "50 %" is one, too.
+/// Dimensionless number; "50 %" is also accepted.
 pub use crate::units::measures::None as Plain;
 
 #[cfg(test)]
@@ -78,7 +78,7 @@ mod tests {
         let error =
             wrong("length = 1\ncells = 2.5", |table, document| table.cells.si(document, false).map(|n| n as f64));
         assert!(error.message.contains("2.5 is not a whole number"), "{error}");
-        // A list gives no table, though every key has a place in it.
+        // A list is not accepted as a table, although it has an entry for every key.
         let document = Document::new("t.toml", "t = [1]");
         let taken = document.parsed().expect("TOML").take("t").expect("there is one");
         assert!(taken.read::<Table>().is_err());

@@ -1,16 +1,16 @@
-//! The names of a table's keys.
+//! Names of the keys of a table.
 
 use serde::de::Deserializer;
 
-/// The keys that a table has, in the order of their declaration.
+/// Returns the names of the keys of a table, in the order of their declaration.
 pub fn keys_of<T: serde::de::DeserializeOwned>() -> &'static [&'static str] {
     let names = Names::default();
-    // Only the names are asked for.
+    // Only the names are needed; the deserialization itself fails.
     let _ = T::deserialize(&names);
     names.0.get()
 }
 
-/// Keeps the names of the fields that are asked for, and gives no value.
+/// Deserializer that stores the names of the requested fields and returns no value.
 #[derive(Default)]
 struct Names(std::cell::Cell<&'static [&'static str]>);
 

@@ -1,4 +1,4 @@
-//! The JSON schema that follows from the types of values, with units, ranges and defaults.
+//! JSON schema derived from the types of values, with units, ranges and defaults.
 
 use std::borrow::Cow;
 
@@ -9,7 +9,7 @@ use super::values::{Count, Later, NotNegative, Of, Or, Placed, Range, Rows};
 use crate::input::Allowed;
 use crate::units::{Dimension, Measure};
 
-/// Types whose schema is that of what is in them.
+/// Implements the schema of wrapper types as that of their content.
 macro_rules! same_schema {
     ($($name:ident),*) => {$(
         impl<T: JsonSchema> JsonSchema for $name<T> {
@@ -34,9 +34,9 @@ macro_rules! same_schema {
 
 same_schema! { Later, Placed }
 
-/// Under this name a schema keeps what its value is, in words: "quantity (m, > 0)".
+/// Keyword under which a schema describes its value in words: "quantity (m, > 0)".
 pub const VALUE: &str = "x-value";
-/// Stands for the name of a key, which the schema of its value does not know.
+/// Placeholder for the name of a key, which is unknown in the schema of its value.
 const NAME: &str = "{}";
 
 fn unit(dimension: Dimension, in_torsion: Dimension) -> String {
@@ -53,7 +53,7 @@ fn range(allowed: Allowed) -> String {
     }
 }
 
-/// The keywords of a JSON schema for it.
+/// Returns the keywords of a JSON schema for a range.
 fn bounds(allowed: Allowed) -> Value {
     match allowed {
         Allowed::Finite => json!({}),
@@ -159,7 +159,7 @@ impl<const LOW: usize, const HIGH: usize> JsonSchema for Count<LOW, HIGH> {
     }
 }
 
-/// The JSON schema of a file. Descriptions of numbers end with unit and range; no key is null in TOML, and none may be here.
+/// Returns the JSON schema of a file. Descriptions of numbers end with unit and range. Null is not allowed, because TOML has none.
 pub fn schema<T: JsonSchema>() -> Schema {
     let mut schema = schemars::schema_for!(T);
     if let Some(root) = schema.as_object_mut() {

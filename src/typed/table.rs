@@ -1,4 +1,4 @@
-//! Tables that are nothing else: derived code takes a list for a table, by position, and complains of its members.
+//! Values that must be tables: a derived implementation would also accept a list, by position, and report errors of its entries.
 
 use serde::de::{Deserialize, Deserializer};
 use toml::Spanned;
@@ -6,18 +6,18 @@ use toml::Spanned;
 use super::Placed;
 use super::choice::text_or_table;
 
-/// A table of which messages show an example.
+/// Table for which messages show an example.
 pub trait Example {
-    /// What to write, "a table such as ...".
+    /// Expected input: "a table such as ...".
     const EXPECTING: &str;
 }
 
-/// For fields that are tables, with `#[serde(deserialize_with = "table")]`.
+/// Deserializes a table, for fields with `#[serde(deserialize_with = "table")]`.
 pub fn table<'de, D: Deserializer<'de>, T: Deserialize<'de> + Example>(deserializer: D) -> Result<Placed<T>, D::Error> {
     Spanned::deserialize(deserializer).map(placed)
 }
 
-/// For fields that may be absent, with `#[serde(default, deserialize_with = "optional_table")]`.
+/// Deserializes an optional table, for fields with `#[serde(default, deserialize_with = "optional_table")]`.
 pub fn optional_table<'de, D: Deserializer<'de>, T: Deserialize<'de> + Example>(
     deserializer: D,
 ) -> Result<Option<Placed<T>>, D::Error> {

@@ -1,4 +1,4 @@
-//! The types of values, and how they are read.
+//! Types of values, and how they are read.
 
 use std::marker::PhantomData;
 use std::ops::Range as Span;
@@ -10,17 +10,17 @@ use crate::error::Result;
 use crate::input::{Allowed, Document, Number};
 use crate::units::{Dimension, Measure};
 
-/// A value with its place in the text.
+/// Value with its position in the text.
 #[derive(Debug, Clone)]
 pub struct Placed<T>(pub(super) Spanned<T>);
 
 impl<T> Placed<T> {
-    /// The bytes of the text.
+    /// Returns the byte range of the value in the text.
     pub fn span(&self) -> Span<usize> {
         self.0.span()
     }
 
-    /// The value.
+    /// Returns the value.
     pub fn get_ref(&self) -> &T {
         self.0.get_ref()
     }
@@ -32,13 +32,13 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Placed<T> {
     }
 }
 
-/// A range of numbers, as a type.
+/// Range of numbers, as a type.
 pub trait Range {
-    /// The range.
+    /// Range.
     const ALLOWED: Allowed;
 }
 
-/// Declares ranges. A row: the name in Rust, which is that of [`Allowed`]; bounds are parts of 1/PER.
+/// Declares ranges. Each row contains the Rust name, which is that of the variant of [`Allowed`]; bounds are multiples of 1/PER.
 macro_rules! ranges {
     ($($(#[doc = $doc:literal])* $name:ident $(($low:ident, $high:ident))?;)*) => {
         $(
@@ -56,11 +56,11 @@ macro_rules! ranges {
 ranges! {
     /// Any finite number.
     Finite;
-    /// > 0.
+    /// value > 0.
     Positive;
-    /// >= 0.
+    /// value >= 0.
     NotNegative;
-    /// LOW/PER..=HIGH/PER.
+    /// LOW/PER <= value <= HIGH/PER.
     Within(LOW, HIGH);
     /// LOW/PER < value <= HIGH/PER.
     Above(LOW, HIGH);
@@ -70,10 +70,10 @@ ranges! {
     Between(LOW, HIGH);
 }
 
-/// 0 to 0.5.
+/// Range of Poisson's ratio: 0 to 0.5.
 pub type Poisson = Within<0, 1, 2>;
 
-/// One dimension in an axial bar, another in torsion.
+/// Quantity with one dimension in an axial bar and another one in torsion.
 #[derive(Debug, Clone, Copy)]
 pub struct Either<A, T>(PhantomData<(A, T)>);
 
@@ -82,26 +82,26 @@ impl<A: Measure, T: Measure> Measure for Either<A, T> {
     const IN_TORSION: Dimension = T::DIMENSION;
 }
 
-/// A number with its dimension and range; a required one, unless in an [`Option`].
+/// Number with its dimension and range; required unless inside an [`Option`].
 #[derive(Debug, Clone)]
 pub struct Of<D, R = Finite>(Number, PhantomData<(D, R)>);
 
-/// A whole number, LOW to HIGH.
+/// Whole number from LOW to HIGH.
 #[derive(Debug, Clone)]
 pub struct Count<const LOW: usize, const HIGH: usize>(Number);
 
-/// A number with a default, N/PER. (The attribute `schemars(default)` tells the schema that it may be absent.)
+/// Number with the default N/PER. (The attribute `schemars(default)` marks it as optional in the schema.)
 #[derive(Debug, Clone)]
 pub struct Or<K, const N: i64, const PER: i64 = 1>(Option<K>);
 
-/// A row of a table.
+/// Row of a table.
 pub type Row = Placed<Vec<Number>>;
 
-/// Rows [x, value], x being >= 0.
+/// Rows [x, value] with x >= 0.
 #[derive(Debug, Clone)]
 pub struct Rows<X, D, R = Finite>(Vec<Row>, PhantomData<(X, D, R)>);
 
-/// A table whose keys depend on others, which is read when these are known; see [`Parsed::take`](crate::input::Parsed::take).
+/// Table whose keys depend on other keys; it is read when these are known, see [`Parsed::take`](crate::input::Parsed::take).
 #[derive(Debug, Clone)]
 pub struct Later<T>(PhantomData<T>);
 
@@ -111,46 +111,46 @@ impl<'de, T> Deserialize<'de> for Later<T> {
     }
 }
 
-/// What a key with a number means.
+/// Key whose value is a number.
 pub trait Key {
-    /// The number in SI; an option of it where it may be absent.
+    /// Type of the number in SI units; an option if the key may be absent.
     type Si;
 
-    /// The number in SI.
+    /// Returns the number in SI units.
     ///
     /// # Errors
-    /// An input error with the place: the wrong unit, or out of range.
+    /// An input error with its position, if the unit is wrong or the number is out of range.
     fn si(&self, document: &Document, torsion: bool) -> Result<Self::Si>;
 
-    /// As it was typed, if it is given.
+    /// Returns the number as it was typed, if it is given.
     fn typed(&self) -> Option<&Number>;
 
-    /// Where it stands, if it is given.
+    /// Returns the position of the number, if it is given.
     fn place(&self) -> Option<Span<usize>> {
         self.typed().map(Number::span)
     }
 }
 
 impl<X: Measure, D: Measure, R: Range> Rows<X, D, R> {
-    /// Where a row stands; none beyond the last.
+    /// Returns the position of a row; `None` beyond the last row.
     pub fn place(&self, row: usize) -> Option<Span<usize>> {
         self.0.get(row).map(Placed::span)
     }
 
-    /// The rows in SI; the key of the list is `key`, `names` are those of the columns.
+    /// Returns the rows in SI units; `key` is the key of the list, `names` are the names of the columns.
     ///
     /// # Errors
-    /// An input error with the place: a row with another number of entries, a wrong unit, out of range.
+    /// An input error with its position: a row with a wrong number of entries, a wrong unit, or a value out of range.
     pub fn pairs(&self, document: &Document, torsion: bool, key: &str, names: [&str; 2]) -> Result<Vec<(f64, f64)>> {
         let dimension = if torsion { D::IN_TORSION } else { D::DIMENSION };
         pairs(&self.0, document, key, names, ([X::DIMENSION, dimension], R::ALLOWED))
     }
 }
 
-/// Rows with two columns in SI, the first >= 0; as [`Rows::pairs`] where the dimensions are known while the program runs.
+/// Returns rows with two columns in SI units, the first column >= 0, as [`Rows::pairs`] does, for dimensions that are known only at run time.
 ///
 /// # Errors
-/// As there.
+/// As for [`Rows::pairs`].
 pub fn pairs(
     rows: &[Row],
     document: &Document,
@@ -174,7 +174,7 @@ pub fn pairs(
 }
 
 impl<D: Measure, R: Range> Of<D, R> {
-    /// In SI, in a narrower range, which depends on other values.
+    /// Returns the number in SI units; `allowed` is a narrower range that depends on other values.
     ///
     /// # Errors
     /// As for [`Key::si`].
@@ -182,29 +182,29 @@ impl<D: Measure, R: Range> Of<D, R> {
         document.number_at(&self.0, D::DIMENSION, allowed)
     }
 
-    /// Where it stands.
+    /// Returns the position of the number.
     pub fn span(&self) -> Span<usize> {
         self.0.span()
     }
 }
 
 impl<const LOW: usize, const HIGH: usize> Count<LOW, HIGH> {
-    /// Where it stands.
+    /// Returns the position of the number.
     pub fn span(&self) -> Span<usize> {
         self.0.span()
     }
 }
 
 impl<D, R> std::fmt::Display for Of<D, R> {
-    /// As it was typed.
+    /// Writes the number as it was typed.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         self.0.get_ref().fmt(f)
     }
 }
 
-/// A key with exactly one number.
+/// Key with exactly one number.
 pub trait OneNumber: Key {
-    /// The value that a number in SI stands for.
+    /// Converts a number in SI units into the value of the key.
     fn of(si: f64) -> Self::Si;
 }
 
@@ -296,7 +296,7 @@ impl<'de, D: Measure, R> Deserialize<'de> for Of<D, R> {
 
 impl<'de, K: Deserialize<'de>, const N: i64, const PER: i64> Deserialize<'de> for Or<K, N, PER> {
     fn deserialize<S: Deserializer<'de>>(deserializer: S) -> std::result::Result<Self, S::Error> {
-        // As an option, so that the key may be absent.
+        // Deserialized as an option, so that the key may be absent.
         Option::deserialize(deserializer).map(Self)
     }
 }
@@ -313,7 +313,7 @@ impl<'de, const LOW: usize, const HIGH: usize> Deserialize<'de> for Count<LOW, H
     }
 }
 
-/// A complaint that a key is missing says what to add; [`Document::parse`] reads it.
+/// Adds to the error for a missing key what to write; [`Document::parse`] converts it into the help line.
 fn missing<D: Measure, E: serde::de::Error>(error: E) -> E {
     let text = error.to_string();
     let Some(name) = text.strip_prefix("missing field `").and_then(|rest| rest.split('`').next()) else { return error };

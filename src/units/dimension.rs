@@ -3,15 +3,16 @@
 use super::scale::{FOOT_POUND, INCH, POUND, POUND_FORCE, PSI, Scale};
 use super::table::Exponents;
 
-/// Declares [`Dimension`]. A row: name, with its article for messages, a right spelling, the symbol of the SI unit, exponents of m, kg, s,
-/// K, and the units of the two systems with their SI values, from the smallest up; no inch-pound ones where the SI ones serve.
+/// Declares [`Dimension`]. A row consists of: name; name with its article, for messages; a valid spelling; symbol of the SI unit; exponents of m,
+/// kg, s, K; and the display units of the two systems with their SI values, in ascending order. The inch-pound list is empty if the SI units are
+/// shown instead.
 macro_rules! dimensions {
     ($(
         $(#[doc = $doc:literal])*
         $name:ident: $description:literal, $example:literal, $symbol:literal, $exponents:expr,
         { $($si:literal = $si_size:expr),* }, { $($us:literal = $us_size:expr),* };
     )*) => {
-        /// What a number measures. Each has one SI unit, in which plain numbers are read.
+        /// The dimension of a number. Each has one SI unit, in which plain numbers are read.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Dimension {
             $($(#[doc = $doc])* $name,)*
@@ -21,37 +22,37 @@ macro_rules! dimensions {
             /// Every dimension.
             pub const ALL: &[Self] = &[$(Self::$name,)*];
 
-            /// With its article, for messages: "a length".
+            /// Returns the name with its article, for messages: "a length".
             pub fn describe(self) -> &'static str {
                 match self { $(Self::$name => $description,)* }
             }
 
-            /// A right spelling, for messages.
+            /// Returns a valid spelling, for messages.
             pub fn example(self) -> &'static str {
                 match self { $(Self::$name => $example,)* }
             }
 
-            /// Symbol of the SI unit, as [`super::Quantity`] reads it; empty for plain numbers.
+            /// Returns the symbol of the SI unit, as [`super::Quantity`] reads it; empty for plain numbers.
             pub fn si_symbol(self) -> &'static str {
                 match self { $(Self::$name => $symbol,)* }
             }
 
-            /// Symbol of the SI unit in files and tables, with spaces: "N s"; empty for plain numbers.
+            /// Returns the symbol of the SI unit in files and tables, with spaces: "N s"; empty for plain numbers.
             pub fn spaced_symbol(self) -> String {
                 self.si_symbol().replace('*', " ")
             }
 
-            /// Unit in the attribute `units` of a dataset: "N s", and "1" for plain numbers.
+            /// Returns the unit for the attribute `units` of a dataset: "N s", and "1" for plain numbers.
             pub fn units(self) -> String {
                 Some(self.spaced_symbol()).filter(|symbol| !symbol.is_empty()).unwrap_or_else(|| "1".to_owned())
             }
 
-            /// Exponents of m, kg, s, K. Angles are plain numbers, so that several dimensions have the same ones.
+            /// Returns the exponents of m, kg, s, K. Angles are plain numbers, so several dimensions share exponents.
             pub(super) const fn exponents(self) -> Exponents {
                 match self { $(Self::$name => $exponents,)* }
             }
 
-            /// Both have the same units, as torque and energy have.
+            /// Whether both have the same units, as torque and energy have.
             pub fn is_like(self, other: Self) -> bool {
                 self.exponents() == other.exponents()
             }
@@ -68,7 +69,7 @@ macro_rules! dimensions {
             }
         }
 
-        /// Every dimension as a type, for numbers whose dimension is part of their type.
+        /// Each dimension as a type, for numbers whose dimension is part of their type.
         pub mod measures {
             $(
                 $(#[doc = $doc])*
@@ -83,11 +84,11 @@ macro_rules! dimensions {
     };
 }
 
-/// What a number measures, as a type.
+/// A dimension as a type.
 pub trait Measure {
-    /// In an axial bar, and wherever there is no bar.
+    /// Dimension in an axial bar, and where there is no bar.
     const DIMENSION: Dimension;
-    /// In a bar in torsion.
+    /// Dimension in a bar in torsion.
     const IN_TORSION: Dimension = Self::DIMENSION;
 }
 

@@ -2,22 +2,21 @@
 
 use super::{Dimension, Scale, System};
 
-/// The unit in which a value of this magnitude reads best: the largest that leaves at least one before the
-/// point, or the smallest there is; zero takes the unit nearest to the SI one. For an axis, give the largest
-/// value on it.
+/// Returns the most readable unit for a value of this magnitude: the largest unit in which the value is at least one, or the smallest there is.
+/// Zero is shown in the unit nearest to the SI one. For an axis, give its largest value.
 pub fn scale_for(magnitude: f64, dimension: Dimension, system: System) -> Scale {
     let choices = match system {
         System::Si => dimension.si_scales(),
         System::Us => dimension.us_scales(),
     };
     let magnitude = if magnitude == 0.0 { 1.0 } else { magnitude.abs() };
-    // Just below one is one when rounded for people.
+    // A value just below one is shown as one after rounding.
     let fits = |s: &&Scale| magnitude >= s.si * (1.0 - 1e-9);
     *choices.iter().rev().find(fits).unwrap_or(&choices[0])
 }
 
 impl System {
-    /// The unit of columns and axes, which is one for all their values: that which suits bars and the loads on them, such as MPa or ksi.
+    /// Returns the unit of columns and axes, the same for all their values: one that suits bars and the loads on them, such as MPa or ksi.
     pub fn of_columns(self, dimension: Dimension) -> Scale {
         let usual = match dimension {
             Dimension::Stress => 100e6,
@@ -30,20 +29,20 @@ impl System {
 }
 
 impl Scale {
-    /// A value in this unit.
+    /// Converts an SI value to this unit.
     pub fn of(self, value: f64) -> f64 {
         value / self.si
     }
 }
 
-/// A value with a fitting unit, six significant digits: "386.554 MPa".
+/// Formats a value in a suitable unit with six significant digits: "386.554 MPa".
 pub fn format(value: f64, dimension: Dimension, system: System) -> String {
     let scale = scale_for(value, dimension, system);
     let number = significant(value / scale.si);
     if scale.symbol.is_empty() { number } else { format!("{number} {}", scale.symbol) }
 }
 
-/// Six significant digits, no trailing zeros; exponents only for very large and very small numbers.
+/// Formats a number with six significant digits and no trailing zeros; exponents only for very large and very small numbers.
 fn significant(value: f64) -> String {
     let magnitude = value.abs();
     if !value.is_finite() {
@@ -54,11 +53,11 @@ fn significant(value: f64) -> String {
         let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));
         return format!("{}e{power}", mantissa.trim_end_matches('0').trim_end_matches('.'));
     }
-    // Digits after the point; below one, the zeros that follow it do not count.
+    // Digits after the point; below one, leading zeros do not count.
     let decimals = if magnitude == 0.0 { 0 } else { (5.0 - magnitude.log10().floor()).max(0.0) as usize };
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    // A zero has no sign for people.
+    // "-0" is shown as "0".
     if text == "-0" { "0".into() } else { text.into() }
 }
 

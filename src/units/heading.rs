@@ -2,20 +2,20 @@
 
 use super::{Dimension, one};
 
-/// Units that are written in capital letters, or without.
+/// Units that instruments write in other capitalization.
 const OTHER_CASE: [&str; 10] = ["MPa", "GPa", "kPa", "ksi", "psi", "kN", "lbf", "kip", "mm", "in"];
 
-/// One of a unit in a heading, in brackets or without, in SI.
+/// Returns the SI value of 1 in the unit of a heading, with or without brackets.
 ///
 /// # Errors
-/// It is no unit of this dimension.
+/// The unit does not have this dimension.
 pub(crate) fn in_heading(unit: &str, dimension: Dimension) -> Result<f64, String> {
     let unit = unit.trim().trim_matches(['(', ')', '[', ']']).trim();
     let of_strain = if dimension == Dimension::None { strain(unit) } else { None };
     of_strain.map_or_else(|| one(&spelled(unit), dimension), Ok)
 }
 
-/// Units of strains that are none elsewhere.
+/// Returns the value of units that have a meaning only for strains.
 fn strain(unit: &str) -> Option<f64> {
     // The micro sign and the Greek letter mu look alike.
     let unit = unit.to_lowercase().replace(['\u{b5}', '\u{3bc}'], "u");
@@ -27,7 +27,7 @@ fn strain(unit: &str) -> Option<f64> {
     }
 }
 
-/// A unit as other machines write it: square millimetres without their sign, the kilopond, units in capital letters.
+/// Returns the usual spelling of a unit as instruments write it: square millimetres as `mm2`, the kilopond, other capitalization.
 fn spelled(unit: &str) -> String {
     let unit = unit.strip_suffix("m2").map_or_else(|| unit.to_owned(), |start| format!("{start}m^2"));
     let unit = match unit.split_once('/') {
@@ -35,7 +35,7 @@ fn spelled(unit: &str) -> String {
         _ if unit == "kp" => "kgf".to_owned(),
         _ => unit,
     };
-    // Not "mPa", which is the thousandth part of a pascal.
+    // "mPa" is a millipascal and is not read as "MPa".
     let capitals =
         OTHER_CASE.iter().find(|known| **known != unit && known.eq_ignore_ascii_case(&unit) && unit != "mPa");
     capitals.map_or(unit, |known| (*known).to_owned())

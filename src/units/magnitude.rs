@@ -1,11 +1,11 @@
 //! Plausible magnitudes: smallest and largest values of each dimension in scenes and materials.
 //!
-//! The ranges are far wider than anything physical. They keep products of several values (energies are products of up to six) within the
-//! range of double precision, and catch errors of units and exponents.
+//! The ranges are far wider than anything physical. They keep products of several values (energies are products of up to six) within the range of
+//! double precision, and detect errors in units and exponents.
 
 use super::Dimension;
 
-/// The magnitudes of one kind of value.
+/// The range of magnitudes of one dimension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnitudes {
     /// Smallest positive value if zero is not allowed, SI.
@@ -20,11 +20,11 @@ const fn range(least: f64, most: f64, reason: &'static str) -> Magnitudes {
     Magnitudes { least, most, reason }
 }
 
-/// m/s in vacuum, exact.
+/// Speed of light in vacuum, m/s, exact.
 const SPEED_OF_LIGHT: f64 = 299_792_458.0;
 
 impl Dimension {
-    /// The magnitudes that a value of this kind can have.
+    /// Returns the range of magnitudes that values of this dimension can have.
     pub const fn magnitudes(self) -> Magnitudes {
         match self {
             Self::None => range(0.0, 1e12, "larger plain numbers are not meaningful here"),

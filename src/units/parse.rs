@@ -41,15 +41,14 @@ impl Factor {
         }
     }
 
-    /// The value in SI. One rounding for each of the three steps, none of which is needed for decimal units:
-    /// "150 us" is the same number as 150e-6.
+    /// Converts a value to SI. Each of the three operations rounds once; decimal units need none of them: "150 us" is the same number as 150e-6.
     fn apply(self, value: f64) -> f64 {
         let scaled = value * self.numerator / self.denominator;
         if self.ten < 0 { scaled / 10f64.powi(-self.ten) } else { scaled * 10f64.powi(self.ten) }
     }
 }
 
-/// The value in SI of "80 ft/s".
+/// Returns the SI value of a text such as "80 ft/s".
 pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
     let trimmed = text.trim();
     let (value, rest) = split_number(trimmed)?;
@@ -72,7 +71,8 @@ pub(super) fn parse(text: &str, dimension: Dimension) -> Result<f64, String> {
     if si.is_finite() { Ok(si) } else { Err(format!("`{trimmed}` is too large")) }
 }
 
-/// The value in SI of a number in a decimal unit: the number nearest to the decimal fraction, without a rounding in between.
+/// Returns the SI value of a number in a decimal unit: the floating-point number nearest to the decimal fraction, without intermediate rounding.
+/// `None` if the unit is not decimal.
 fn decimal(number: &str, factor: Factor) -> Option<f64> {
     if factor.numerator != 1.0 || factor.denominator != 1.0 || factor.ten == 0 {
         return None;
@@ -118,7 +118,7 @@ pub(super) fn split_number(text: &str) -> Result<(f64, &str), String> {
     Ok((if matches!(sign, Some('-' | '\u{2212}')) { -magnitude } else { magnitude }, rest))
 }
 
-/// Bytes of digits, point and exponent; an "e" without digits belongs to the unit.
+/// Returns the number of bytes of digits, point and exponent; an "e" without digits belongs to the unit.
 fn number_end(text: &str) -> usize {
     let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
     let mut end = digits(0);
@@ -137,11 +137,11 @@ fn number_end(text: &str) -> usize {
 
 struct Parser<'a> {
     rest: &'a str,
-    /// Open brackets.
+    /// Number of open brackets.
     depth: u32,
 }
 
-/// Brackets inside brackets; more would be no unit, and would cost stack.
+/// Largest nesting depth of brackets: a unit needs no more, and deeper recursion would exhaust the stack.
 const DEEPEST: u32 = 8;
 
 impl Parser<'_> {
@@ -242,7 +242,7 @@ impl Parser<'_> {
     }
 }
 
-/// Physical powers are small; larger ones are slips, and would overflow.
+/// Parses a power from -9 to 9: physical powers are small; larger ones are mistakes, and would overflow.
 fn small_power(text: &str) -> Result<i32, String> {
     let wrong = || format!("a unit's power must be an integer from -9 to 9, not `{text}`");
     text.parse().ok().filter(|n| (-9..=9).contains(n)).ok_or_else(wrong)
@@ -264,7 +264,7 @@ fn lowered(c: char) -> Option<char> {
     }
 }
 
-/// A word is a unit, or meant as one: `MPa`, `Mpa`, `N/mm2`, `usec`.
+/// Whether a word is a unit, or is meant as one: `MPa`, `Mpa`, `N/mm2`, `usec`.
 pub(crate) fn is_like_unit(word: &str) -> bool {
     let is_unit = Parser { rest: word, depth: 0 }.whole().is_ok();
     let plain = word.replace(['\u{b5}', '\u{3bc}'], "u");
@@ -281,7 +281,7 @@ fn unknown(shown: &str, plain: &str) -> String {
     }
 }
 
-/// Such as "m^2 s^-1", for messages.
+/// Returns a unit such as "m^2 s^-1", for messages.
 fn in_base_units(exponents: Exponents) -> String {
     let units = ["m", "kg", "s", "K"].into_iter().zip(exponents).filter(|(_, power)| *power != 0);
     units

@@ -1,9 +1,9 @@
 //! Units in which numbers are shown, and the SI values of the inch-pound ones.
 
-/// A unit to show numbers in.
+/// A display unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// e.g. "MPa"; empty for plain numbers.
+    /// Symbol, e.g. "MPa"; empty for plain numbers.
     pub symbol: &'static str,
     /// SI value of one such unit.
     pub si: f64,

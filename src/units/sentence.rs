@@ -1,9 +1,9 @@
-//! Sentences with quantities, in the units of the reader.
+//! Conversion of the quantities in sentences to the unit system of the reader.
 
 use super::{Dimension, Scale, System, scale_for};
 
-/// The quantities of a sentence that was written in SI, such as "a stress of 218 MPa", in the units of a system, with as many digits.
-/// What stands in quotes or has a unit of time stays as it is.
+/// Converts the quantities of a sentence written in SI, such as "a stress of 218 MPa", to the units of a system, with as many digits. Text in
+/// quotes and times are not changed.
 pub fn in_units(sentence: &str, system: System) -> String {
     if system == System::Si {
         return sentence.to_owned();
@@ -19,7 +19,7 @@ pub fn in_units(sentence: &str, system: System) -> String {
     shown.join(" ")
 }
 
-/// "(218" and "MPa)," as "(31.6 ksi),"; none if they are no number and a unit that the system has another one for.
+/// Converts "(218" and "MPa)," to "(31.6 ksi),"; `None` if they are not a number and a unit that the system replaces by another.
 fn quantity(number: &str, unit: &str, system: System) -> Option<String> {
     let digits = number.trim_start_matches('(');
     let symbol = unit.trim_end_matches([',', ';', '.', ':', ')']);
@@ -33,13 +33,13 @@ fn quantity(number: &str, unit: &str, system: System) -> Option<String> {
     Some(format!("{before}{} {}{after}", rounded(value / scale.si, significant_digits(digits)), scale.symbol))
 }
 
-/// A unit in which values are shown in SI.
+/// Returns the dimension and scale of a unit in which SI values are shown.
 fn si_unit(symbol: &str) -> Option<(Dimension, Scale)> {
     let of = |dimension: Dimension| dimension.si_scales().iter().find(|scale| scale.symbol == symbol);
     Dimension::ALL.iter().find_map(|&dimension| Some((dimension, *of(dimension)?))).filter(|_| !symbol.is_empty())
 }
 
-/// Of a number as it is written, at least three.
+/// Returns the number of significant digits of a number as written, at least three.
 fn significant_digits(number: &str) -> usize {
     let mantissa = number.split(['e', 'E']).next().unwrap_or(number).trim_start_matches(['-', '0', '.']);
     mantissa.chars().filter(char::is_ascii_digit).count().max(3)

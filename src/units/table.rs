@@ -1,4 +1,5 @@
-//! The known unit symbols, exact: every factor is an integer times a power of ten.
+//! The known unit symbols. A factor is a mantissa times a power of ten; the mantissa is an exact number except for `slug`, `kph`, angles and
+//! pressures in pounds per area.
 
 /// Exponents of m, kg, s, K.
 pub(super) type Exponents = [i32; 4];
@@ -10,7 +11,7 @@ pub(super) struct Unit {
     pub(super) mantissa: f64,
     pub(super) ten: i32,
     pub(super) exponents: Exponents,
-    /// Takes SI prefixes: "k" + "Pa".
+    /// Whether SI prefixes are allowed: "k" + "Pa".
     prefixed: bool,
 }
 
@@ -34,14 +35,14 @@ const VELOCITY: Exponents = [1, 0, -1, 0];
 
 /// Pound force: 0.45359237 kg * 9.80665 m/s^2, as an integer times 10^-13.
 const LBF: f64 = 45_359_237.0 * 980_665.0;
-// Exact only below 2^53.
+// Integers are exact only below 2^53.
 const _: () = assert!(LBF < 9_007_199_254_740_992.0);
 /// Square inch, times 10^8 m^-2.
 const SQUARE_INCH: f64 = 254.0 * 254.0;
 
-/// Exact definitions: in = 0.0254 m, lb = 0.45359237 kg, standard gravity = 9.80665 m/s^2, atm = 101325 Pa,
-/// cal = 4.184 J (thermochemical), Btu = 1055.05585262 J (International Table). Pressures in pounds per square
-/// inch are the one case that is not a decimal number: their mantissa is the quotient, rounded once.
+/// The unit symbols by exact definitions: in = 0.0254 m, lb = 0.45359237 kg, standard gravity = 9.80665 m/s^2, atm = 101325 Pa, cal = 4.184 J
+/// (thermochemical), Btu = 1055.05585262 J (International Table). Pressures in pounds per area, `slug`, `kph` and angles have no finite decimal
+/// value: their mantissa is a rounded quotient.
 pub(super) const UNITS: &[Unit] = &[
     // SI and metric
     si("m", 0, LENGTH),
@@ -125,10 +126,10 @@ const PREFIXES: &[(&str, i32)] = &[
     ("T", 12),
 ];
 
-/// Temperatures with a zero of their own: kelvin = (value + offset) * 5/9 or value + offset.
+/// Temperature scales with an offset zero: kelvin = (value + offset) * 5/9, or value + offset.
 pub(super) const DEGREES: &[&str] = &["degC", "°C", "℃", "degF", "°F", "℉"];
 
-/// The unit of a symbol, whole symbols before prefixed ones ("min" is a minute, "ft" a foot).
+/// Returns the unit of a symbol; whole symbols have priority over prefixed ones ("min" is a minute, "ft" a foot).
 pub(super) fn find(symbol: &str) -> Option<Unit> {
     if let Some(whole) = UNITS.iter().find(|u| u.symbol == symbol) {
         return Some(*whole);
@@ -146,18 +147,18 @@ fn known() -> impl Iterator<Item = String> {
     UNITS.iter().map(|u| u.symbol.to_owned()).chain(DEGREES.iter().map(|&d| d.to_owned())).chain(with_prefix)
 }
 
-/// The known symbol that is written like this but for capitals.
+/// Returns the known symbol that differs from this one only in capitalization.
 pub(super) fn in_another_case(symbol: &str) -> Option<String> {
     known().find(|k| k.eq_ignore_ascii_case(symbol))
 }
 
-/// The known symbol most like an unknown one: another case first ("mpa"), then few letters changed.
+/// Returns the known symbol most similar to an unknown one: first another capitalization ("mpa"), then a few changed letters.
 pub(super) fn nearest(symbol: &str) -> Option<String> {
     if let Some(other_case) = in_another_case(symbol) {
         return Some(other_case);
     }
     let limit = match symbol.chars().count() {
-        // Every letter is like any other.
+        // Any single letter is one change from any other.
         ..=1 => return None,
         2..=5 => 1,
         _ => 2,

@@ -1,4 +1,4 @@
-//! The upper concave hull of a loading curve, grown point by point.
+//! Upper concave hull of a loading curve, built point by point.
 
 use crate::material::SLOPE_ROUND_OFF;
 
@@ -6,7 +6,7 @@ use crate::material::SLOPE_ROUND_OFF;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Knot {
     pub(super) strain: f64,
-    /// Pa.
+    /// Stress, Pa.
     pub(super) stress: f64,
 }
 
@@ -16,11 +16,11 @@ impl Knot {
     }
 }
 
-/// A straight piece of the curve, rising or flat; without an end where it is the extension.
+/// A linear piece of the curve, rising or flat. `to` is `None` for the unbounded extension.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
     pub(super) from: Knot,
-    /// Pa.
+    /// Slope d sigma/d eps, Pa.
     pub(super) slope: f64,
     pub(super) to: Option<Knot>,
 }
@@ -30,14 +30,14 @@ impl Line {
         Knot { strain, stress: self.from.stress + self.slope * (strain - self.from.strain) }
     }
 
-    /// True if the piece extends beyond this strain.
+    /// Returns true if the piece extends beyond this strain.
     fn contains(self, strain: f64) -> bool {
         self.to.is_none_or(|to| strain < to.strain)
     }
 }
 
-/// The hull of the curve up to its last point, kept while that point moves along the curve: knots from (0, 0)
-/// with slopes that fall strictly, and the velocity change up to each.
+/// Hull of the curve up to its last point, updated while that point moves along the curve: knots from (0, 0)
+/// with strictly falling slopes, and the velocity change up to each.
 #[derive(Debug)]
 pub(super) struct Hull {
     density: f64,
@@ -46,7 +46,7 @@ pub(super) struct Hull {
 }
 
 impl Hull {
-    /// The hull of the origin alone; density in kg/m^3.
+    /// Returns the hull of the origin alone; density in kg/m^3.
     pub(super) fn new(density: f64) -> Self {
         Self { density, knots: vec![Knot { strain: 0.0, stress: 0.0 }], velocity: vec![0.0] }
     }
@@ -63,12 +63,12 @@ impl Hull {
         self.knots[self.knots.len() - 1]
     }
 
-    /// Velocity change up to the last point, m/s.
+    /// Returns the velocity change up to the last point, m/s.
     pub(super) fn velocity(&self) -> f64 {
         self.velocity[self.velocity.len() - 1]
     }
 
-    /// Adds a point that lies on the curve past the last one; knots that come to lie under the hull go.
+    /// Adds a point of the curve beyond the last one, and removes the knots that then lie under the hull.
     pub(super) fn push(&mut self, to: Knot) {
         if to.strain <= self.last().strain {
             return;
@@ -80,7 +80,7 @@ impl Hull {
         self.knots.push(to);
     }
 
-    /// Index of the knot from which the hull's edge to this later point starts.
+    /// Returns the index of the knot at which the edge of the hull to this later point starts.
     fn tangent(&self, to: Knot) -> usize {
         let mut k = self.knots.len() - 1;
         while k > 0 && self.slope_before(k) <= self.knots[k].slope_to(to) * (1.0 + SLOPE_ROUND_OFF) {
@@ -89,28 +89,27 @@ impl Hull {
         k
     }
 
-    /// Slope of the edge that ends at knot `k` >= 1.
+    /// Returns the slope of the edge that ends at knot `k` >= 1.
     fn slope_before(&self, k: usize) -> f64 {
         self.knots[k - 1].slope_to(self.knots[k])
     }
 
-    /// Velocity jump of an edge, sqrt(d sigma d eps/rho), m/s.
+    /// Returns the velocity jump of an edge, sqrt(d sigma d eps/rho), m/s.
     fn jump(&self, from: Knot, to: Knot) -> f64 {
         ((to.stress - from.stress) * (to.strain - from.strain) / self.density).sqrt()
     }
 
-    /// Velocity change up to knot `k` and on to a point past it.
+    /// Returns the velocity change up to knot `k` and from there to a point beyond it, m/s.
     fn velocity_via(&self, k: usize, to: Knot) -> f64 {
         self.velocity[k] + self.jump(self.knots[k], to)
     }
 
-    /// The point of `line` (which starts at the last point) at which the velocity change is `velocity`, if the
-    /// line goes that far.
+    /// Returns the point of `line` (which starts at the last point) at which the velocity change is `velocity`. Returns `None` if the
+    /// line ends before.
     ///
-    /// The hull's last edge runs from a tangent knot to the moving point. While the point moves along a line
-    /// steeper than the hull's last edges (lock-up), the tangent knot steps back each time the point crosses the
-    /// prolongation of the edge before it. In between, the velocity is V + sqrt(d sigma d eps/rho), whose
-    /// inverse is a quadratic equation.
+    /// The hull's last edge runs from a tangent knot to the moving point. While the point moves along a line steeper than the hull's last edges
+    /// (lock-up), the tangent knot steps back each time the point crosses the extension of the edge before it. In between, the velocity is V + sqrt(d
+    /// sigma d eps/rho), whose inverse is a quadratic equation.
     pub(super) fn reach_velocity(&self, line: Line, velocity: f64) -> Option<Knot> {
         if line.to.is_some_and(|to| self.velocity_via(self.tangent(to), to) < velocity) {
             return None;
@@ -122,7 +121,7 @@ impl Hull {
         Some(self.solve_edge(k, line, velocity))
     }
 
-    /// Where the prolongation of the edge that ends at knot `k` meets a steeper line, when that is on it.
+    /// Returns the point at which the extension of the edge that ends at knot `k` meets a steeper line. `None` if they do not meet on the line.
     fn prolongation_meets(&self, k: usize, line: Line) -> Option<Knot> {
         if k == 0 || line.slope <= self.slope_before(k) * (1.0 + SLOPE_ROUND_OFF) {
             return None;
@@ -133,12 +132,12 @@ impl Hull {
         line.contains(strain).then(|| line.at(strain))
     }
 
-    /// The point of `line` at which an edge from knot `k` brings the velocity change up to `velocity`.
+    /// Returns the point of `line` for which an edge from knot `k` makes the velocity change equal to `velocity`.
     fn solve_edge(&self, k: usize, line: Line, velocity: f64) -> Knot {
         let knot = self.knots[k];
         let target = self.density * (velocity - self.velocity[k]).powi(2);
-        // With d eps = x, d sigma = lead + slope x: slope x^2 + lead x = target. The root is written so that
-        // neither sign of `lead` cancels.
+        // With d eps = x, d sigma = lead + slope x: slope x^2 + lead x = target. The form of the root avoids cancellation
+        // for either sign of `lead`.
         let lead = line.at(knot.strain).stress - knot.stress;
         let root = (lead * lead + 4.0 * line.slope * target).sqrt();
         let x = if lead >= 0.0 { 2.0 * target / (lead + root) } else { (root - lead) / (2.0 * line.slope) };
@@ -146,7 +145,7 @@ impl Hull {
         line.to.filter(|_| !line.contains(strain)).unwrap_or_else(|| line.at(strain))
     }
 
-    /// The first point of `line` that has this stress, if the line goes that far.
+    /// Returns the first point of `line` with this stress. Returns `None` if the line ends before.
     pub(super) fn reach_stress(line: Line, stress: f64) -> Option<Knot> {
         match line.to {
             Some(to) if to.stress < stress => None,

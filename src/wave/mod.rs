@@ -1,4 +1,4 @@
-//! Exact solutions from the curve alone, and the Riemann problem between states with a history.
+//! Exact wave solutions from the loading curve alone, and the Riemann problem between states with a history.
 
 mod hull;
 pub mod riemann;

@@ -1,41 +1,41 @@
-//! The self-similar solution of a long bar with a sudden end velocity or stress: one front for each edge of the upper concave hull
+//! Self-similar solution for a long bar with a suddenly imposed end velocity or stress: one front for each edge of the upper concave hull
 //! of the curve.
 //!
-//! Everything here is in magnitudes (strain, stress, velocity jump all >= 0); the caller puts the signs. Densities are those of a checked
-//! material, see [`Material::check`](crate::material::Material::check): with a density of 0, speeds and velocities are infinite, and what is
-//! not a number gives what is not a number.
+//! All quantities are magnitudes (strain, stress, velocity jump >= 0); the caller adds the signs. Densities must be those of a checked
+//! material, see [`Material::check`](crate::material::Material::check). With a density of 0, speeds and velocities are infinite; NaN
+//! inputs give NaN results.
 
 use serde::Serialize;
 
 use super::hull::{Hull, Knot, Line};
 use crate::material::{Beyond, Curve, UltimateReason};
 
-/// Part of its stress by which a curve may lie below its concave hull, where that takes no energy that matters: that of the scatter of test
-/// records.
+/// Distance of a curve below its concave hull, relative to its stress, up to which the dissipation is negligible. It corresponds to the scatter of
+/// test records.
 pub const SCATTER: f64 = 0.02;
 
-/// One edge of the hull: one front, carrying the material from the state ahead to the state behind.
+/// One edge of the hull: a front that changes the material from the state ahead to the state behind.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Edge {
     /// Strain before the front arrives.
     pub strain_ahead: f64,
     /// Strain after it has passed.
     pub strain_behind: f64,
-    /// Stress before, Pa.
+    /// Stress before the front arrives, Pa.
     #[serde(rename = "stress_ahead_Pa")]
     pub stress_ahead: f64,
-    /// Stress after, Pa.
+    /// Stress after it has passed, Pa.
     #[serde(rename = "stress_behind_Pa")]
     pub stress_behind: f64,
-    /// sqrt(d sigma / (rho d eps)), m/s; 0 for a flat edge.
+    /// Speed of the front, sqrt(d sigma / (rho d eps)), m/s; 0 for a flat edge.
     #[serde(rename = "speed_m_s")]
     pub speed: f64,
 }
 
-/// Part by which the speed of a front may differ from that of elastic waves and be the same.
+/// Relative difference from the elastic wave speed up to which the speed of a front counts as equal.
 const SAME_SPEED: f64 = 1e-9;
 
-/// A front of this `speed` is an elastic wave where those have the speed `c0`, m/s.
+/// Returns true if a front of this `speed` is an elastic wave, with the elastic wave speed `c0`, m/s.
 pub fn is_elastic(speed: f64, c0: f64) -> bool {
     speed >= c0 * (1.0 - SAME_SPEED)
 }
@@ -51,12 +51,12 @@ impl Edge {
         }
     }
 
-    /// It travels with the elastic wave speed `c0`, m/s, but for rounding.
+    /// Returns true if the front travels with the elastic wave speed `c0`, m/s, up to rounding.
     pub fn is_elastic(&self, c0: f64) -> bool {
         is_elastic(self.speed, c0)
     }
 
-    /// The curve lies below the chord from the state ahead to the state behind, by more than [`SCATTER`].
+    /// Returns true if the curve lies below the chord from the state ahead to the state behind by more than [`SCATTER`].
     pub fn is_shock(&self, curve: &Curve) -> bool {
         let slope = (self.stress_behind - self.stress_ahead) / (self.strain_behind - self.strain_ahead);
         let chord = |strain: f64| self.stress_ahead + slope * (strain - self.strain_ahead);
@@ -65,16 +65,16 @@ impl Edge {
         knots.any(|(&strain, &stress)| chord(strain) > (1.0 + SCATTER) * stress)
     }
 
-    /// Velocity jump across the front, m/s: speed * d eps.
+    /// Returns the velocity jump across the front, speed * d eps, m/s.
     pub fn velocity_jump(&self) -> f64 {
         self.speed * (self.strain_behind - self.strain_ahead)
     }
 }
 
-/// The fronts that a suddenly imposed velocity or stress sends out, fastest first.
+/// The fan of fronts emitted by a suddenly imposed velocity or stress.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fan {
-    /// Fronts, fastest first; none where nothing is imposed.
+    /// Fronts, fastest first; empty if nothing is imposed.
     pub edges: Vec<Edge>,
     /// Strain behind the last front.
     pub strain: f64,
@@ -82,17 +82,17 @@ pub struct Fan {
     pub stress: f64,
     /// Velocity change behind the last front, m/s.
     pub velocity: f64,
-    /// The imposed value is more than the curve can carry away: strain gathers at the struck end, which breaks
+    /// Whether the imposed value exceeds what waves can carry away. Strain then accumulates at the loaded end, which fractures
     /// there. `stress` is then the ultimate stress.
     pub above_critical: bool,
-    /// The imposed value runs past the last knot of a curve that still rises there (not critical, but unknown).
+    /// Whether the imposed value lies beyond the last knot of a curve that still rises there (not critical, but unknown).
     pub beyond_data: bool,
 }
 
-/// Critical impact velocity of one curve, and its criterion.
+/// Critical impact velocity of a curve, and its criterion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Critical {
-    /// m/s.
+    /// Critical impact velocity, m/s.
     pub velocity: f64,
     /// Strain of the ultimate point.
     pub strain: f64,
@@ -102,14 +102,14 @@ pub struct Critical {
     pub reason: UltimateReason,
 }
 
-/// Upper concave hull of the table from 0 to `strain` (> 0; past the last knot only with `Beyond::Extend`),
-/// fastest front first. Neighbouring table segments of equal slope are one front. Where the stress at `strain` is
-/// below an earlier maximum the hull ends with a flat edge (speed 0) at that maximum.
+/// Returns the upper concave hull of the table from 0 to `strain` (> 0; beyond the last knot only with `Beyond::Extend`),
+/// fastest front first. Neighbouring table segments of equal slope form one front. If the stress at `strain` is
+/// below an earlier maximum, the hull ends with a flat edge (speed 0) at that maximum.
 pub fn hull(curve: &Curve, density: f64, strain: f64) -> Vec<Edge> {
     edges(&hull_to(curve, density, strain))
 }
 
-/// Velocity change that loads the bar to `strain`, m/s: the sum of c d eps over the hull.
+/// Returns the velocity change that loads the bar to `strain`, m/s: the sum of c d eps over the hull.
 pub fn impact_velocity(curve: &Curve, density: f64, strain: f64) -> f64 {
     hull_to(curve, density, strain).velocity()
 }
@@ -124,8 +124,8 @@ fn hull_to(curve: &Curve, density: f64, strain: f64) -> Hull {
     hull
 }
 
-/// Velocity change that loads the bar to each knot of the curve's running maximum: (strain, m/s) from (0, 0), in
-/// one pass.
+/// Returns the velocity change that loads the bar to each knot of the curve's running maximum, as (strain, m/s) starting with (0, 0).
+/// Computed in one pass.
 pub fn impact_velocities(curve: &Curve, density: f64) -> Vec<(f64, f64)> {
     let loading = curve.running_maximum();
     let mut hull = Hull::new(density);
@@ -137,17 +137,17 @@ pub fn impact_velocities(curve: &Curve, density: f64) -> Vec<(f64, f64)> {
     rows
 }
 
-/// The fan behind which the velocity has changed by `velocity` (m/s, >= 0), exact for the table.
+/// Returns the fan behind which the velocity has changed by `velocity` (m/s, >= 0), exact for the table.
 pub fn fan_at_velocity(curve: &Curve, density: f64, velocity: f64) -> Fan {
     imposed(curve, density, velocity, |hull, line| hull.reach_velocity(line, velocity))
 }
 
-/// The fan behind which the stress is `stress` (Pa, >= 0). A stress above the ultimate stress is `above_critical`.
+/// Returns the fan behind which the stress is `stress` (Pa, >= 0). For a stress above the ultimate stress, `above_critical` is set.
 pub fn fan_at_stress(curve: &Curve, density: f64, stress: f64) -> Fan {
     imposed(curve, density, stress, |_, line| Hull::reach_stress(line, stress))
 }
 
-/// The critical impact velocity, where the data hold one.
+/// Returns the critical impact velocity. `None` if the curve has no ultimate point.
 pub fn critical(curve: &Curve, density: f64) -> Option<Critical> {
     let ultimate = curve.ultimate()?;
     Some(Critical {
@@ -158,7 +158,7 @@ pub fn critical(curve: &Curve, density: f64) -> Option<Critical> {
     })
 }
 
-/// Grows the hull knot by knot until `reach` finds the imposed value on the next piece of the curve.
+/// Builds the hull knot by knot until `reach` finds the imposed value on the next piece of the curve.
 fn imposed(curve: &Curve, density: f64, value: f64, reach: impl Fn(&Hull, Line) -> Option<Knot>) -> Fan {
     let mut hull = Hull::new(density);
     if value.is_nan() {
@@ -212,8 +212,8 @@ fn fan(hull: &Hull) -> Fan {
 }
 
 impl Fan {
-    /// State at distance x from the struck end at time t, with xi = x/t (m/s, >= 0): (strain, stress, velocity
-    /// change). On a front: the state behind it.
+    /// Returns the state at distance x from the loaded end at time t, with xi = x/t (m/s, >= 0), as (strain, stress, velocity
+    /// change). On a front, returns the state behind it.
     pub fn state(&self, xi: f64) -> (f64, f64, f64) {
         let mut state = (0.0, 0.0, 0.0);
         for edge in self.edges.iter().take_while(|edge| edge.speed >= xi) {

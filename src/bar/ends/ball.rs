@@ -1,25 +1,25 @@
-//! An elastic ball in Hertz contact with the end.
+//! Elastic ball in Hertz contact with the end.
 
 use super::{Body, Boundary, EndModel, Face, Push, Relation, Relaxation, Response, Step};
 use crate::bar::Hertz;
 
-/// Over a step the ball pushes with (P(a+) - P(a))/(a+ - a), P being the energy stored in the contact and a, a+ the approaches before
-/// and after the step (a discrete gradient; W. A. Strauss and L. Vazquez, J. Comput. Phys. 28, 1978): stable for any stiffness, and
-/// what the contact gives is what it stored. Against a bar that answers linearly the force is exact; one that flows meets its
-/// tangent.
+/// A ball that pushes over a step with (P(a+) - P(a))/(a+ - a), where P is the energy stored in the contact and a, a+ are the approaches before
+/// and after the step (a discrete gradient; W. A. Strauss and L. Vazquez, J. Comput. Phys. 28, 1978). This is stable for any stiffness, and
+/// the contact returns exactly the energy that it stored. Against a bar with a linear response the force is exact; against a bar that flows it is
+/// linearized.
 #[derive(Debug, Clone)]
 pub(super) struct Ball {
     contact: Hertz,
-    /// kg, > 0.
+    /// Mass, kg, > 0.
     mass: f64,
-    /// Into the bar, m/s.
+    /// Velocity into the bar, m/s.
     velocity: f64,
-    /// m; less than 0 where ball and face are apart.
+    /// Approach, m; negative if ball and face are apart.
     approach: f64,
 }
 
 impl Ball {
-    /// `velocity` (m/s) is in +x.
+    /// Returns a ball that touches the face; `velocity` (m/s) is positive in +x.
     pub fn new(contact: Hertz, mass: f64, velocity: f64, face: Face) -> Self {
         Self { contact, mass, velocity: face.inward * velocity, approach: 0.0 }
     }
@@ -34,7 +34,7 @@ impl EndModel for Ball {
         let force = self.contact.solve(self.approach, free, compliance);
         let to = free - compliance * force;
         let slope = self.contact.slope(self.approach, to, force).max(0.0);
-        // p = force + slope (a+ - to).
+        // Linearization: p = force + slope (a+ - to).
         Relation {
             of_velocity: slope * dt,
             of_force: 1.0 + slope * inertia,
@@ -72,7 +72,7 @@ impl EndModel for Ball {
         Some(Body { velocity: self.velocity, gap: -self.approach })
     }
 
-    /// The slower of the contact's half swing on a fixed flat and of the mass's relaxation in a rigid contact.
+    /// Returns the larger of half the contact time on a fixed flat, and the relaxation time of the mass in a rigid contact.
     fn relaxation(&self, _: f64, bar: &Response) -> Option<Relaxation> {
         let closing = self.velocity + bar.force / bar.impedance;
         let compressed = 2.0 * self.contact.energy(self.approach) / self.mass;

@@ -1,24 +1,24 @@
-//! A linear dashpot between the face and a support: p = -c (u - u0).
+//! Linear dashpot between the face and a support: p = -c (u - u0).
 
 use super::{Boundary, EndModel, Face, Push, Relation, Response, Step};
 
-/// It dissipates c (u - u0)^2 dt >= 0 in a step. With c = rho c0 A elastic waves leave without reflection (Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95,
-/// 1969); c = 0 is a free end, c without bound a fixed one.
+/// A dashpot, which dissipates c (u - u0)^2 dt >= 0 in a step. With c = rho c0 A elastic waves leave without reflection (Lysmer and Kuhlemeyer, J.
+/// Eng. Mech. Div. ASCE 95, 1969); c = 0 gives a free end, c to infinity a fixed one.
 #[derive(Debug, Clone)]
 pub(super) struct Dashpot {
-    /// c, N s/m, >= 0.
+    /// Coefficient c, N s/m, >= 0.
     coefficient: f64,
-    /// u0: velocity of the support, m/s, into the bar.
+    /// Velocity u0 of the support, m/s, into the bar.
     support: f64,
 }
 
 impl Dashpot {
-    /// Its other side is fixed; `coefficient` in N s/m, >= 0.
+    /// Returns a dashpot with a fixed support; `coefficient` in N s/m, >= 0.
     pub fn to_ground(coefficient: f64) -> Self {
         Self { coefficient, support: 0.0 }
     }
 
-    /// The bar continues without end, elastic, of the same section and in the same motion.
+    /// Returns the dashpot that represents an infinite elastic bar of the same section and the same initial velocity.
     pub fn absorbing(face: Face) -> Self {
         Self { coefficient: face.impedance, support: face.velocity }
     }

@@ -3,10 +3,10 @@
 use super::{Boundary, EndModel, Face, Push, Relation, Response, Step};
 use crate::bar::History;
 
-/// The velocity follows a history; from `release` on the face is free.
+/// End whose velocity follows a history; from `release` on the face is free.
 ///
-/// It enters by its exact mean over the step in which it moves the face, so that the end is where it should be after every
-/// step. In the step of the release the force of the step before acts for the share in which the end is still held.
+/// The exact mean of the history over each step is imposed, so that the displacement of the end is exact after every
+/// step. In the step of the release, the force of the step before is applied for the fraction of the step in which the end is still held.
 #[derive(Debug, Clone)]
 pub(super) struct Velocity {
     history: History,
@@ -20,7 +20,7 @@ impl Velocity {
         Self { history, release, inward: face.inward, held_force: 0.0 }
     }
 
-    /// Share of the step in which the end is still held, where it is in the whole of it more than 1.
+    /// Returns the fraction of the step in which the end is still held; >= 1 if it is held during the whole step.
     fn held_share(&self, step: &Step) -> f64 {
         self.release.map_or(1.0, |release| (release - step.time) / step.dt)
     }
@@ -67,7 +67,7 @@ impl EndModel for Velocity {
     }
 }
 
-/// The stress follows a history.
+/// End whose stress follows a history.
 #[derive(Debug, Clone)]
 pub(super) struct Stress {
     history: History,
@@ -99,7 +99,7 @@ impl EndModel for Stress {
     }
 }
 
-/// No force.
+/// End without a force.
 #[derive(Debug, Clone)]
 pub(super) struct Free;
 
@@ -117,7 +117,7 @@ impl EndModel for Free {
     }
 }
 
-/// No motion.
+/// End without motion.
 #[derive(Debug, Clone)]
 pub(super) struct Fixed;
 

@@ -1,10 +1,9 @@
-//! A linear spring between the face and the ground, without force at the start: p = -k d.
+//! Linear spring between the face and the ground, without force at t = 0: p = -k d.
 
 use super::{Boundary, EndModel, Push, Relation, Relaxation, Response, Step, relaxation_weight};
 
-/// Over a step `p = -k (d + theta dt u)`; against the bar's impedance Y the displacement relaxes with the time Y/k, and theta is the
-/// [`relaxation_weight`] for it: second order where the step resolves the spring, stable for any stiffness, and a rigid one is
-/// a fixed end.
+/// A spring with `p = -k (d + theta dt u)` over a step. Against the bar's impedance Y the displacement relaxes with the time constant Y/k, and theta
+/// is the [`relaxation_weight`] for it: second order where the step resolves the spring, and stable for any stiffness. A rigid spring is a fixed end.
 #[derive(Debug, Clone)]
 pub(super) struct Spring {
     /// k, N/m, >= 0.

@@ -1,27 +1,27 @@
-//! A rigid striker in unilateral contact with the end.
+//! Rigid striker in unilateral contact with the end.
 
 use super::{Body, Boundary, EndModel, Face, Push, Relation, Relaxation, Response, Step, relaxation_weight};
 
-/// In contact the mass moves over a step with `V - theta p dt/M`, and closes what gap there is:
+/// A rigid mass. In contact it moves over a step with `V - theta p dt/M`, and closes the gap, if any:
 ///
 /// ```text
 /// M/dt u + theta p = M/dt (V - gap/dt)
 /// ```
 ///
-/// Against the bar's impedance Y its velocity relaxes with the time M/Y, and theta is the [`relaxation_weight`] for it: second order
-/// where the step resolves the mass. M = 0 is a free end, M without bound a prescribed velocity. Momentum is exchanged exactly.
+/// Against the bar's impedance Y its velocity relaxes with the time constant M/Y, and theta is the [`relaxation_weight`] for it: second order
+/// where the step resolves the mass. M = 0 gives a free end, M to infinity a prescribed velocity. Momentum is exchanged exactly.
 #[derive(Debug, Clone)]
 pub(super) struct Striker {
-    /// kg, >= 0.
+    /// Mass M, kg, >= 0.
     mass: f64,
-    /// Into the bar, m/s.
+    /// Velocity V into the bar, m/s.
     velocity: f64,
     /// Distance from the face, m.
     gap: f64,
 }
 
 impl Striker {
-    /// `velocity` (m/s) is in +x.
+    /// Returns a striker that touches the face; `velocity` (m/s) is positive in +x.
     pub fn new(mass: f64, velocity: f64, face: Face) -> Self {
         Self { mass, velocity: face.inward * velocity, gap: 0.0 }
     }
@@ -51,7 +51,7 @@ impl EndModel for Striker {
             self.velocity -= push.impulse / self.mass;
         }
         let moved = step.dt * (push.velocity - 0.5 * (before + self.velocity));
-        // A gap that closes at the end of the step is closed but for the rounding of the time.
+        // A gap that closes at the end of the step counts as closed within the rounding of the time.
         let rounding = 4.0 * f64::EPSILON * (step.time + step.dt) * (push.velocity - self.velocity).abs();
         let gap = self.gap + moved;
         self.gap = if held || gap <= rounding { 0.0 } else { gap };

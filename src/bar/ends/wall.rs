@@ -1,11 +1,11 @@
-//! A rigid wall in unilateral contact with the end.
+//! Rigid wall in unilateral contact with the end.
 
 use super::{Boundary, EndModel, Push, Relation, Response, Step};
 
-/// It takes up just the velocity that would carry the face into it.
+/// A rigid wall: in contact, the velocity over a step is the one that brings the face to the wall.
 #[derive(Debug, Clone)]
 pub(super) struct Wall {
-    /// Distance at the start, m, >= 0.
+    /// Distance at t = 0, m, >= 0.
     pub gap: f64,
 }
 
@@ -15,7 +15,7 @@ impl EndModel for Wall {
     }
 
     fn gap(&self, displacement: f64) -> Option<f64> {
-        // At the wall, rounding may take the face past it.
+        // In contact, rounding may move the face beyond the wall.
         Some((self.gap + displacement).max(0.0))
     }
 

@@ -12,7 +12,7 @@ use crate::units::{Dimension, Scale, System, format as with_unit};
 
 const PERCENT: f64 = 0.01;
 
-/// The rows for people, at most 80 columns wide, and below them what else was asked for.
+/// Returns the table as text, at most 80 columns wide, followed by the other results requested.
 pub(super) fn text(studied: &[Studied], units: System, written: Option<&Path>) -> String {
     let mut text = rows(studied, units);
     for one in studied {
@@ -104,7 +104,7 @@ fn too_few(u: &Uncertainty) -> String {
     }
 }
 
-/// What the interval is of.
+/// Returns a line that states the quantity to which the interval refers.
 fn of_what(u: &Uncertainty) -> String {
     match (u.interval_95_m_s, u.resamples, u.seed) {
         (None, ..) => String::new(),
@@ -180,7 +180,7 @@ fn sensitivity(name: &str, intervals: &[Interval], unit: Scale) -> String {
     )
 }
 
-/// One row a material; empty where there is no value.
+/// Returns the table as CSV, one row for each material; a cell without a value is empty.
 pub(super) fn csv(studied: &[Studied]) -> String {
     let mut text = String::from(
         "material,density_kg_m3,sense,critical_velocity_m_s,yield_velocity_m_s,strain_at_max,stress_at_max_Pa,reason,\

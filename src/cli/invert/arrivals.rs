@@ -58,7 +58,7 @@ pub(super) struct Args {
     outputs: Outputs,
 }
 
-/// Arguments of the library that options give.
+/// Library arguments that are set by command-line options.
 pub(super) const OPTIONS: &[OptionOf<'static>] = &[
     ("density", "--density", ""),
     ("modulus", "--modulus", ""),
@@ -94,7 +94,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     write(args, &options, recording.as_ref(), &inverted)
 }
 
-/// Records of gauges; none where the file is a table of arrivals.
+/// Returns the records of gauges, or `None` if the file is a table of arrivals.
 fn recording(args: &Args) -> Result<Option<Recording>> {
     let recording = if is_result(&args.file) {
         Recording::from_result(&shared::result_of_bar(&args.file)?, &args.gauges)?

@@ -79,7 +79,7 @@ pub(super) struct Args {
     outputs: Outputs,
 }
 
-/// Arguments of the library that options give.
+/// Library arguments that are set by command-line options.
 pub(super) const OPTIONS: &[OptionOf<'static>] = &[
     ("incident.modulus", "--bar-modulus", ""),
     ("incident.density", "--bar-density", ""),
@@ -118,7 +118,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     write(args, &mut reduced, test.as_ref())
 }
 
-/// Refuses options that describe the test of a CSV file: those of a result file are in it.
+/// Refuses options that describe the test of a CSV file, since a result file contains these values.
 fn nothing_that_the_result_has(args: &Args) -> Result<()> {
     let given = [
         ("--bar-modulus", args.bar_modulus.is_some()),
@@ -137,7 +137,7 @@ fn nothing_that_the_result_has(args: &Args) -> Result<()> {
     Err(InputError::new(message).key(*key).allowed("with CSV files only").help(help).into())
 }
 
-/// The sense of the test, and what says so.
+/// Returns the sense of the test and how it was determined.
 fn sense(args: &Args, reduced: &Reduced, test: Option<&Test>) -> String {
     let sense = reduced.sense.name();
     if test.is_some() {
@@ -179,7 +179,7 @@ fn setup(args: &Args) -> Result<Setup> {
     })
 }
 
-/// Knots of the material, with the elastic part that equilibrium comes too late for, and a sentence on it.
+/// Returns the knots of the material, with an elastic part for the strains before equilibrium, and a sentence on this part.
 fn knots(modulus: Option<f64>, reduced: &Reduced) -> (Vec<MeasuredKnot>, Option<String>) {
     let knot = |k: &Knot| MeasuredKnot {
         strain: k.strain,
@@ -213,7 +213,7 @@ fn knots(modulus: Option<f64>, reduced: &Reduced) -> (Vec<MeasuredKnot>, Option<
     (whole, sentence)
 }
 
-/// Writes the material file.
+/// Writes the material file. Fails if the specimen does not reach equilibrium.
 fn write_material(args: &Args, reduced: &Reduced, test: Option<&Test>, knots: &[MeasuredKnot]) -> Result<()> {
     let outputs = &args.outputs;
     let rate = reduced.mean_rate.ok_or_else(|| {
@@ -323,7 +323,7 @@ fn lines(args: &Args, reduced: &Reduced, test: Option<&Test>, given: Option<&Cur
     lines
 }
 
-/// Rows shown to people, up to the end of the loading; CSV has all moments.
+/// Approximate number of rows in the printed table, up to the end of the loading; CSV has all moments.
 const ROWS: usize = 12;
 
 fn table(moments: &[Moment], until: f64, units: System) -> String {
@@ -361,7 +361,7 @@ fn table(moments: &[Moment], until: f64, units: System) -> String {
     output::table(&headings, &rows, 0, false)
 }
 
-/// Difference of the forces on the faces over their mean, percent; a dash where there are none.
+/// Returns the difference of the forces on the two faces over their mean, percent; a dash if it is not finite.
 fn faces_differ(m: &Moment) -> String {
     let difference =
         200.0 * (m.stress_incident_face - m.stress_one_wave) / (m.stress_incident_face + m.stress_one_wave);

@@ -58,7 +58,7 @@ pub(super) struct Args {
     outputs: Outputs,
 }
 
-/// Arguments of the library that options give.
+/// Library arguments that are set by command-line options.
 pub(super) const OPTIONS: &[OptionOf<'static>] = &[
     ("profile", "", ""),
     ("velocity", "--velocity", "--time uses the strain while the end moves"),

@@ -1,4 +1,4 @@
-//! Output shared by the inversions, and the table of a curve.
+//! Options and output shared by the inversions.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ use crate::study::invert::{
 };
 use crate::units::{Dimension, Scale, System, format as with_unit, in_units};
 
-/// Where results go.
+/// Outputs of an inversion.
 #[derive(Debug, clap::Args)]
 pub(super) struct Outputs {
     /// Material file with the curve, for scenes.
@@ -42,16 +42,16 @@ pub(super) struct Outputs {
     pub(super) units: System,
 }
 
-/// A curve by wave theory.
+/// Curve determined by wave theory.
 pub(super) struct Waves<'a> {
     pub(super) title: &'a str,
     pub(super) points: &'a [WavePoint],
-    /// The curve that the simulation was given.
+    /// Curve of the material in the simulation, if the file is a result file.
     pub(super) given: Option<&'a Curve>,
     pub(super) warnings: &'a [String],
 }
 
-/// Random numbers.
+/// Options for bootstrap replicates and noise.
 #[derive(Debug, clap::Args)]
 pub(super) struct Random {
     /// Bootstrap replicates for the 95 % intervals.
@@ -66,7 +66,7 @@ pub(super) struct Random {
 }
 
 impl Outputs {
-    /// Refuses outputs that cannot be written, before any work is done.
+    /// Checks that the outputs can be written, before any work is done.
     pub(super) fn check(&self) -> Result<()> {
         if let Some(path) = &self.plot {
             options::picture(path, "--plot")?;
@@ -85,7 +85,7 @@ impl Outputs {
         }
     }
 
-    /// Writes the material file where one is asked for; refuses a curve that no material can have.
+    /// Writes the material file if requested; refuses a curve that is not valid for a material.
     pub(super) fn write_material(&self, material: &MaterialText<'_>, knots: &[MeasuredKnot]) -> Result<()> {
         let Some(path) = &self.output else { return Ok(()) };
         let text = material_text(material, knots);
@@ -94,7 +94,7 @@ impl Outputs {
         destination::write_whole(path, text.as_bytes())
     }
 
-    /// Writes the figure and the table where they are asked for.
+    /// Writes the figure and the table if requested.
     pub(super) fn write(
         &self,
         title: &str,
@@ -110,7 +110,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes the results of an inversion by wave theory where they are asked for, and prints the text, or the object.
+    /// Writes the requested files of an inversion by wave theory, and prints the results as text or JSON.
     pub(super) fn write_waves(
         &self,
         waves: &Waves<'_>,
@@ -134,12 +134,12 @@ impl Outputs {
         output::text(&(lines.text() + &curve_table(waves.points, self.units)))
     }
 
-    /// A value with a unit, as it is printed.
+    /// Returns a value with its unit, as it is printed.
     pub(super) fn show(&self, value: f64, dimension: Dimension) -> String {
         with_unit(value, dimension, self.units)
     }
 
-    /// Lines that name what was written, and where the curve of the material ends.
+    /// Returns lines that name the written files and state whether the curve of the material is extrapolated.
     pub(super) fn written(&self, knots: &[MeasuredKnot]) -> Vec<String> {
         let line = |path: &PathBuf| output::wrote(path);
         let end = extended(knots).map_or_else(String::new, |sentence| format!(" ({sentence})"));
@@ -147,14 +147,14 @@ impl Outputs {
         material.into_iter().chain([&self.csv, &self.plot].into_iter().flatten().filter_map(line)).collect()
     }
 
-    /// Name of the material: that of its file.
+    /// Returns the name of the material: the name of its file without the ending.
     pub(super) fn name(&self) -> String {
         let stem = self.output.as_deref().and_then(Path::file_stem).unwrap_or_default();
         stem.to_string_lossy().into_owned()
     }
 }
 
-/// The curve of a measurement that is no material's.
+/// Explains the error of a curve that is not valid for a material.
 fn no_material(error: Error) -> Error {
     let Error::Input(error) = error else { return error };
     let message = format!("the curve cannot be that of a material, and nothing is written: {}", error.message);
@@ -162,7 +162,7 @@ fn no_material(error: Error) -> Error {
     Error::Input(InputError::new(message).key("-o").allowed(error.allowed).help(help))
 }
 
-/// An error of what stands in a file, with the name of the file.
+/// Adds the name of the file to an error that has no place in a file.
 pub(super) fn in_file(error: Error, path: &Path) -> Error {
     match error {
         Error::Input(error) if error.place.is_none() => {
@@ -173,7 +173,7 @@ pub(super) fn in_file(error: Error, path: &Path) -> Error {
     }
 }
 
-/// A result file with waves along a bar.
+/// Opens a result file of a bar, and keeps it from being overwritten by an output.
 pub(super) fn result_of_bar(path: &Path) -> Result<ResultFile> {
     let file = ResultFile::open(path)?;
     inputs::protect(path);
@@ -181,7 +181,7 @@ pub(super) fn result_of_bar(path: &Path) -> Result<ResultFile> {
     Ok(file)
 }
 
-/// A value that the command line or the file must give.
+/// Returns a value that an option or the file must provide.
 pub(super) fn needed(value: Option<f64>, option: &str, example: &str) -> Result<f64> {
     value.ok_or_else(|| {
         let error = InputError::new(format!("{option} is missing")).key(option);
@@ -189,21 +189,21 @@ pub(super) fn needed(value: Option<f64>, option: &str, example: &str) -> Result<
     })
 }
 
-/// A strain in microstrain.
+/// Returns a strain in microstrain.
 pub(super) fn micro(strain: f64) -> String {
-    // Zero has no sign.
+    // Adding zero turns -0 into 0.
     format!("{:.1} ue", (1e7 * strain).round() / 10.0 + 0.0)
 }
 
-/// Warnings as lines.
+/// Returns the warnings, one line each.
 pub(super) fn warnings(all: &[String], units: System) -> String {
     all.iter().flat_map(|warning| ["warning: ".to_owned(), in_units(warning, units), "\n".to_owned()]).collect()
 }
 
-/// Rows of a curve shown to people; JSON and CSV have all.
+/// Largest number of rows in the printed table of a curve; JSON and CSV have all points.
 const ROWS: usize = 10;
 
-/// Curve points with their 95 % intervals.
+/// Returns a table of points of the curve with their 95 % intervals.
 fn curve_table(points: &[WavePoint], units: System) -> String {
     let [stress, velocity] = [Dimension::Stress, Dimension::Velocity].map(|dimension| units.of_columns(dimension));
     let every = points.len().div_ceil(ROWS).max(1);
@@ -223,7 +223,7 @@ fn curve_table(points: &[WavePoint], units: System) -> String {
     output::table(&headings, &rows, 0, false)
 }
 
-/// Curve points as CSV.
+/// Returns the points of the curve as CSV.
 fn curve_csv(points: &[WavePoint]) -> String {
     let mut text = String::from(
         "strain,wave_speed_m_s,wave_speed_low,wave_speed_high,stress_Pa,stress_low,stress_high,velocity_m_s,velocity_low,velocity_high\n",
@@ -237,7 +237,7 @@ fn curve_csv(points: &[WavePoint]) -> String {
     text
 }
 
-/// A knot of a material file.
+/// Returns a knot of a material file.
 pub(super) fn knot(strain: f64, stress: Interval) -> MeasuredKnot {
     MeasuredKnot { strain, stress: stress.value, interval: [stress.low, stress.high] }
 }

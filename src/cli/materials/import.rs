@@ -1,4 +1,4 @@
-//! `barwave materials import`: a material file for the records of tests.
+//! `barwave materials import`: writes a material file from test records.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -132,12 +132,12 @@ enum MeasureArg {
 }
 
 impl Args {
-    /// The rows of a record are true strains and stresses.
+    /// Returns true if the rows of a record are true strains and stresses.
     fn is_true(&self, record: &Record) -> bool {
         self.measure.map(Measure::from).or(record.measure) == Some(Measure::True)
     }
 
-    /// The measure of the values of a record, and what says so.
+    /// Returns the measure of a record and how it was determined.
     fn measure(&self, record: &Record) -> String {
         let measure = if self.is_true(record) { "true" } else { "engineering" };
         let says = match (self.measure, record.measure) {
@@ -168,27 +168,27 @@ impl From<BeyondArg> for Beyond {
     }
 }
 
-/// A record with what was made of it.
+/// Test record with its reduction.
 struct Imported {
     record: Record,
-    /// Rows of the record as drawn: engineering, magnitudes.
+    /// Rows of the record as engineering values, for the figure; magnitudes if there is a reduction.
     shown: Vec<(f64, f64)>,
-    /// None where the rows are kept as they are.
+    /// `None` if the rows are kept unchanged.
     reduction: Option<Reduction>,
 }
 
-/// The curve of a material file.
+/// Curve of the material file.
 struct Curve {
     modulus: Option<f64>,
     measure: Measure,
     rows: Vec<(f64, f64)>,
     beyond: Beyond,
     repeats: Option<Repeats>,
-    /// What was done to the rows of a short table, or to reach the mean of several tests.
+    /// Changes to the rows of a short table, or notes on the mean of several tests.
     changes: Vec<String>,
 }
 
-/// Arguments of the library that options give.
+/// Library arguments that are set by command-line options.
 const OPTIONS: &[options::OptionOf<'static>] = &[
     ("record", "", "--keep-rows keeps the rows unchanged"),
     ("modulus", "--modulus", ""),
@@ -243,7 +243,7 @@ fn write_material(args: &Args) -> Result<()> {
     )
 }
 
-/// An error of the material, which is not written: its place is in the record that the curve was made of, or an option.
+/// Attributes an error in the material, which is not yet a file, to the record from which the curve was made, or to an option.
 fn of_record(error: Error, imported: &[Imported]) -> Error {
     let Error::Input(e) = error else { return error };
     let test = e.key.strip_prefix("band.test.").and_then(|rest| rest.split('.').next()?.parse().ok());
@@ -257,7 +257,7 @@ fn of_record(error: Error, imported: &[Imported]) -> Error {
     }
 }
 
-/// Other commands know a material file by its ending.
+/// Refuses a file name without the ending .toml, by which other commands recognize material files.
 fn is_material_file(path: &Path) -> Result<()> {
     if output::has_ending(path, "toml") {
         return Ok(());
@@ -281,7 +281,7 @@ fn refuse_existing(path: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
-/// A positive quantity of the command line.
+/// Returns a positive quantity of the command line, in SI units.
 fn si(value: &Quantity, dimension: Dimension, key: &str) -> Result<f64> {
     let example = format!("e.g. {key} \"{}\"", dimension.example());
     let wrong = |message: String| InputError::new(message).key(key).allowed("a value above 0").help(example);
@@ -331,7 +331,7 @@ fn how(args: &Args) -> Result<Reduce> {
     Ok(how)
 }
 
-/// Refuses a plain number that no specimen has in metres or square metres: it is one in millimetres or inches.
+/// Refuses a plain number that is too large for a specimen in m (or m^2): it is probably in mm or inches.
 fn meant_in_metres(size: Option<&Quantity>, most: f64, dimension: Dimension, key: &str) -> Result<()> {
     let Some(Quantity::Number(value)) = size.filter(|size| size.si(dimension).is_ok_and(|value| value >= most)) else {
         return Ok(());
@@ -344,10 +344,10 @@ fn meant_in_metres(size: Option<&Quantity>, most: f64, dimension: Dimension, key
         .into())
 }
 
-/// Stresses below this without a unit are MPa read as Pa.
+/// Magnitude below which a stress without a unit is probably in MPa, Pa.
 const LEAST_PLAIN_STRESS: f64 = 1e6;
 
-/// Refuses a stress without a unit that was hardly meant in Pa.
+/// Refuses a stress without a unit that is probably not in Pa.
 fn meant_in_pascal(quantity: &Quantity, value: f64) -> std::result::Result<(), InputError> {
     if matches!(quantity, Quantity::Number(_)) && value != 0.0 && value.abs() < LEAST_PLAIN_STRESS {
         return Err(InputError::new(format!("`{value}` has no unit and would be {value} Pa")));
@@ -355,7 +355,7 @@ fn meant_in_pascal(quantity: &Quantity, value: f64) -> std::result::Result<(), I
     Ok(())
 }
 
-/// The modulus of `--modulus`, Pa.
+/// Returns the modulus of `--modulus`, Pa.
 fn modulus_of_option(quantity: &Quantity) -> Result<f64> {
     let value = si(quantity, Dimension::Stress, "--modulus")?;
     let example = |error: InputError| {
@@ -365,7 +365,7 @@ fn modulus_of_option(quantity: &Quantity) -> Result<f64> {
     Ok(value)
 }
 
-/// `20 MPa..100 MPa`.
+/// Returns the two stresses of a range such as `20 MPa..100 MPa`, Pa.
 fn elastic_range(text: &str) -> Result<[f64; 2]> {
     let key = "--elastic-range";
     let help = "e.g. --elastic-range \"20 MPa..100 MPa\"";
@@ -390,7 +390,7 @@ fn import(file: &Path, args: &Args, reading: &Reading, how: &Reduce) -> Result<I
     if keep {
         return Ok(Imported { shown: rows, record, reduction: None });
     }
-    // Before a conversion: after it the steps of rounded values differ from row to row.
+    // Determined before the conversion to engineering values, after which the steps of rounded values differ from row to row.
     let stress_step = test_record::stress_step(record.rows.iter().map(|row| row.1));
     let strain_step = test_record::strain_step(record.rows.iter().map(|row| row.0));
     let mut reduction = test_record::reduce(&rows, &Reduce { stress_step, strain_step, ..*how }).map_err(|mut e| {
@@ -424,7 +424,7 @@ fn magnitudes(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
     rows.iter().map(|row| (strain * row.0, stress * row.1)).collect()
 }
 
-/// The curve that the file holds: the rows of a short table, the reduced record, or the mean of several.
+/// Returns the curve of the file: the rows of a short table, the reduced record, or the mean of several records.
 fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
     let asked: Option<Beyond> = args.beyond.map(Into::into);
     if let [Imported { reduction: Some(reduction), .. }] = imported {
@@ -457,7 +457,7 @@ fn curve(args: &Args, imported: &[Imported], how: &Reduce) -> Result<Curve> {
     Ok(Curve { modulus, measure: Measure::Engineering, rows, beyond, repeats: Some(repeats), changes })
 }
 
-/// The rows of a short table, with the elastic line that was asked for.
+/// Returns the curve of a short table, with the elastic line if it is requested.
 fn short_table(args: &Args, record: &Record, how: &Reduce) -> Result<Curve> {
     let unused = [("--compliance", how.compliance), ("--smooth", how.window.is_some())];
     if let Some((key, _)) = unused.into_iter().find(|(_, set)| *set) {
@@ -477,7 +477,7 @@ fn short_table(args: &Args, record: &Record, how: &Reduce) -> Result<Curve> {
     Ok(Curve { modulus, measure, rows: straight.rows, beyond, repeats: None, changes })
 }
 
-/// Rows of a short table, magnitudes; what is no curve is refused with its line.
+/// Returns the rows of a short table as magnitudes. Rows that form no valid curve are refused, with the line in the record.
 fn kept_rows(record: &Record) -> Result<Vec<(f64, f64)>> {
     let rows = magnitudes(&record.rows);
     material::Curve::new(&rows, Beyond::Error).map_err(|e| {
@@ -487,7 +487,7 @@ fn kept_rows(record: &Record) -> Result<Vec<(f64, f64)>> {
     Ok(rows)
 }
 
-/// The comment at the top of the file: records and changes.
+/// Returns the comment at the top of the file: records and changes.
 fn comments(args: &Args, imported: &[Imported], changes: &[String]) -> Vec<String> {
     let mut lines = vec![format!("Imported by barwave {}.", env!("CARGO_PKG_VERSION"))];
     for one in imported {
@@ -524,13 +524,13 @@ fn text(args: &Args, curve: &Curve, comments: &[String]) -> String {
     .toml()
 }
 
-/// The least modulus of a record whose stresses have no named unit: less is MPa read as Pa, or kN as N.
+/// Smallest modulus of a record whose stresses have no stated unit, Pa; a smaller one comes from MPa read as Pa, or kN as N.
 const LEAST_WITHOUT_UNIT: f64 = 1e7;
 
-/// The largest strain of a record whose strains have no named unit: more is percent read as a number.
+/// Largest strain of a record whose strains have no stated unit; a larger one comes from percent read as a plain number.
 const MOST_WITHOUT_UNIT: f64 = 2.0;
 
-/// The modulus of a curve, Pa: the steepest slope of its rows where it states none.
+/// Returns the modulus of a curve, Pa: the stated one, otherwise the steepest slope of its rows.
 fn modulus(curve: &Curve) -> f64 {
     let origin = std::iter::once((0.0, 0.0)).chain(curve.rows.iter().copied());
     let slope = |(from, to): ((f64, f64), &(f64, f64))| (to.1 - from.1) / (to.0 - from.0);
@@ -538,7 +538,7 @@ fn modulus(curve: &Curve) -> f64 {
     curve.modulus.unwrap_or_else(|| slopes.fold(0.0, f64::max))
 }
 
-/// Refuses a modulus or a strain that comes of a wrong unit.
+/// Refuses a modulus or a strain that indicates a wrong unit.
 fn plausible(curve: &Curve, imported: &[Imported]) -> Result<()> {
     let largest = |one: &Imported| one.shown.iter().fold(0.0, |largest: f64, row| largest.max(row.0));
     let unnamed = imported.iter().filter(|one| !one.record.units_named.strain).map(largest).fold(0.0, f64::max);
@@ -598,7 +598,7 @@ fn json(args: &Args, path: &Path, imported: &[Imported], changes: &[String], mat
     })
 }
 
-/// Of the material, and of a record whose sense is not that of every use of its curve.
+/// Returns notes on the material, on the sense of the record, and on its headings.
 fn notes(args: &Args, imported: &[Imported], material: &Material) -> Vec<String> {
     let negative = imported.iter().any(|one| one.reduction.as_ref().is_some_and(Reduction::had_negative_signs));
     let of_sense = match Sense::from(args.sense) {
@@ -615,7 +615,7 @@ fn notes(args: &Args, imported: &[Imported], material: &Material) -> Vec<String>
     material.notes().into_iter().chain(of_sense.map(str::to_owned)).chain(headings).collect()
 }
 
-/// What the headings of a record say that the curve does not tell.
+/// Returns notes on headings that name the deformation of the machine, or shear.
 fn of_headings(args: &Args, record: &Record) -> Vec<String> {
     let machine = record.machine.as_ref().filter(|_| !args.compliance).map(|title| {
         format!(
@@ -632,7 +632,7 @@ fn of_headings(args: &Args, record: &Record) -> Vec<String> {
     machine.into_iter().chain(shear).collect()
 }
 
-/// The report for people.
+/// Returns the report as text.
 fn report(args: &Args, path: &Path, imported: &[Imported], changes: &[String], material: &Material) -> String {
     let mut text = output::wrote(path).map_or_else(String::new, |line| line + "\n");
     for one in imported {
@@ -668,7 +668,7 @@ fn report(args: &Args, path: &Path, imported: &[Imported], changes: &[String], m
     text
 }
 
-/// What was found in a record and changed.
+/// Returns the results of the reduction of a record, and the changes made to it.
 fn reduced(r: &Reduction) -> String {
     const MPA: f64 = 1e6;
     let line = &r.line;

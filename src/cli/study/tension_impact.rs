@@ -65,7 +65,7 @@ pub(crate) struct Args {
     units: System,
 }
 
-/// The argument of the library that these options give.
+/// Library argument that these options set.
 const VELOCITIES: options::OptionOf<'static> = (
     "velocities",
     "--velocities",
@@ -96,7 +96,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.quiet { Ok(()) } else { output::text(&text(&results, args.units, &folder, &figure)) }
 }
 
-/// A scene, or a specimen of a material.
+/// Returns the test of a scene file, or of a specimen of a material.
 fn test(args: &Args) -> Result<Test> {
     let velocities = velocities(args)?;
     let path = Path::new(&args.subject);
@@ -119,7 +119,7 @@ fn test(args: &Args) -> Result<Test> {
     Test::new(specimen.scene(), Path::new(SPECIMEN), velocities.as_ref()).map_err(of_option)
 }
 
-/// An error of the specimen's scene, which the user has not written, is one of an option.
+/// Attributes an error in the scene of the specimen, which the user has not written, to an option.
 fn of_option(error: Error) -> Error {
     const OPTIONS: [(&str, &str); 4] = [
         ("bar.length", "--length"),
@@ -137,7 +137,7 @@ fn of_option(error: Error) -> Error {
     }
 }
 
-/// As on the axis of a sweep.
+/// Returns the velocities as written on the axis of a sweep file, or `None` if none are given.
 fn velocities(args: &Args) -> Result<Option<Value>> {
     let value = |text: &String| {
         let text = text.trim();

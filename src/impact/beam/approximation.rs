@@ -9,39 +9,39 @@ use crate::impact::pulse::Pulse;
 use crate::impact::solution::{Figure, Line, Solution, ratio};
 use crate::units::Dimension::{Force, None as Plain, Time, Velocity};
 
-/// Length over depth, and distance of the impact from a support over depth, below which bending theory is poor.
+/// Length over depth, and distance of the impact from a support over depth, below which bending theory is inaccurate.
 const LEAST_SLENDERNESS: f64 = 10.0;
 const LEAST_DEPTHS: f64 = 2.0;
-/// Length of the flexural waves of the contact over the depth, below which it is poor.
+/// Wavelength of the flexural waves of the contact over the depth, below which bending theory is inaccurate.
 const LEAST_WAVE: f64 = 10.0;
 
-/// Disturbed radius of a plate over half the width of a beam, below which the beam responds as a plate: it then takes 9 % more energy.
+/// Disturbed radius of a plate over half the width of a beam, below which the beam responds as a plate: at this ratio it absorbs 9 % more energy.
 const MOST_SPREAD: f64 = 1.8;
-/// Width over length above which it does under static forces: it then deflects by 10 % more.
+/// Width over length above which the beam responds as a plate under static forces: at this ratio it deflects by 10 % more.
 const MOST_WIDTH: f64 = 1.25;
 
-/// Modes of the sums of (9.31), at most.
+/// Largest number of modes in the sums of (9.31).
 const MOST_MODES: usize = 100_000;
 
-/// The contact force m v (1 + e) pi/(2 tau) sin(pi t/tau).
+/// The half-sine contact force m v (1 + e) pi/(2 tau) sin(pi t/tau).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HalfSine {
-    /// s.
+    /// Duration tau, s.
     pub duration: f64,
-    /// By (9.31).
+    /// Coefficient of restitution e by (9.31).
     pub restitution: f64,
-    /// N s.
+    /// Impulse, N s.
     pub impulse: f64,
 }
 
 impl HalfSine {
-    /// Contact force, N.
+    /// Returns the contact force at time t, N.
     pub fn force(&self, t: f64) -> f64 {
         let rate = PI / self.duration;
         if t < self.duration { 0.5 * self.impulse * rate * (rate * t).sin() } else { 0.0 }
     }
 
-    /// A mode at rest at t = 0 under the pulse.
+    /// Returns the state at a time of a mode under the pulse, at rest at t = 0.
     pub fn drives(&self, (mode, pulse): &(Oscillator, Pulse), time: f64) -> Oscillator {
         let [q, v] = pulse.at(time).map(|value| self.impulse * mode.shape / mode.mass * value);
         Oscillator { q, v, ..*mode }
@@ -53,8 +53,8 @@ impl HalfSine {
 }
 
 impl Beam {
-    /// tau of (9.30) from its definition, 4 pi/5 a/v with Hertz's approach a: the pulse has the peak of Hertz's force. (The printed
-    /// factor 3.28 is 1.5 % above the one that follows, 3.2318.)
+    /// Returns the half-sine pulse. Its duration, tau of (9.30), is computed from the definition 4 pi/5 a/v with Hertz's largest approach a, for
+    /// which the pulse has the peak of Hertz's force. (The printed factor 3.28 is 1.5 % above the one that follows from this, 3.2318.)
     pub(super) fn half_sine(&self) -> HalfSine {
         let (mass, velocity) = (self.striker.mass, self.striker.velocity);
         let duration = 0.8 * PI * self.contact().largest_approach(mass, velocity) / velocity;
@@ -63,7 +63,7 @@ impl Beam {
         for (n, mode) in (1_u32..).zip(self.oscillators(MOST_MODES)) {
             let [phi, psi] = mode.phi_psi(duration);
             sum += mode.shape * mode.shape * (phi + psi);
-            // Phi and Psi fall at least with the power 4 of n once the modes are faster than the pulse.
+            // Phi and Psi decrease at least as n^-4 for modes faster than the pulse.
             if n % 2 == 1 && f64::from(n) * (phi + psi) < 1e-10 * sum && mode.omega * duration > 20.0 {
                 break;
             }
@@ -72,12 +72,12 @@ impl Beam {
         HalfSine { duration, restitution, impulse: mass * velocity * (1.0 + restitution) }
     }
 
-    /// The pulse on each mode.
+    /// Returns the first `count` modes with the pulse acting on each.
     pub(super) fn pulses(&self, pulse: &HalfSine, count: usize) -> Vec<(Oscillator, Pulse)> {
         self.bending_modes(count).map(|mode| (mode, Pulse::new(mode.omega, mode.delta, pulse.duration))).collect()
     }
 
-    /// What is known without an integration.
+    /// Returns the results that need no integration.
     pub(super) fn approximation(&self) -> Solution {
         let pulse = self.half_sine();
         let mut solution = Solution {
@@ -121,7 +121,7 @@ impl Beam {
         solution
     }
 
-    /// Where shear and local deformation are not small beside bending.
+    /// Warns if shear and local deformation are not small compared with bending.
     fn is_not_slender(&self) -> Option<String> {
         let [slender, near] =
             [self.length, self.at.min(self.length - self.at)].map(|length| length / self.section.depth);
@@ -135,9 +135,10 @@ impl Beam {
         Some(format!("{what}: Euler-Bernoulli theory neglects shear deformation, which is not small there"))
     }
 
-    /// Where the flexural waves of a contact, at the frequency of which Hertz's time is half a period, are not long. The part of the energy
-    /// was measured for steel beams of rectangular section: sums over the modes of Timoshenko beams, with light balls, differ from this
-    /// program's by 10, 13, 29, 42 and 59 % at 5.7, 5.1, 3.6, 2.9 and 2.5 depths, and by less with balls that lose more of their velocity.
+    /// Warns if the flexural waves of a contact are not long; their frequency is the one of which Hertz's contact time is half a period. The share
+    /// of the energy was determined for steel beams of rectangular section: sums over the modes of Timoshenko beams, with light balls, differ from
+    /// those of this program by 10, 13, 29, 42 and 59 % at wavelengths of 5.7, 5.1, 3.6, 2.9 and 2.5 depths, and by less with balls that lose more
+    /// of their velocity.
     fn excites_short_waves(&self) -> Option<String> {
         let line = self.elastic.density * self.section.area;
         let wave = 2.0 * PI * (self.bending() / line).powf(0.25) / (PI / self.contact_time()).sqrt();
@@ -158,10 +159,10 @@ impl Beam {
         })
     }
 
-    /// Where a rectangular beam bends across its width, too, like a plate. The energies are those of a thin strip with free edges, struck in the
-    /// middle by Hertz's pulse, over those of the beam, by sums over the modes across the width, Poisson's ratio 0.3: 3.7, 1.9, 1.45, 1.16 and 1.03
-    /// times at a disturbed radius of 0.5, 1, 1.4, 1.7 and 1.9 half widths. The static deflections at midspan, by the same sums, are 1.01, 1.10,
-    /// 1.52 and 3.68 times that of the beam at a width of 1, 1.25, 2 and 5 lengths.
+    /// Warns if a rectangular beam also bends across its width, like a plate. The energies are those of a thin strip with free edges, struck in the
+    /// middle by Hertz's pulse, relative to those of the beam, from sums over the modes across the width with a Poisson's ratio of 0.3: 3.7, 1.9,
+    /// 1.45, 1.16 and 1.03 at a disturbed radius of 0.5, 1, 1.4, 1.7 and 1.9 half widths. The static deflections at midspan, from the same sums,
+    /// are 1.01, 1.10, 1.52 and 3.68 times that of the beam at a width of 1, 1.25, 2 and 5 lengths.
     fn is_wide(&self) -> Option<String> {
         let Face::Flat { width } = self.section.face else { return None };
         let (spread, long) = (self.disturbed_radius() / (0.5 * width), width / self.length);
@@ -186,7 +187,7 @@ impl Beam {
         ))
     }
 
-    /// Of a plate as thick as the beam is deep, at the end of Hertz's contact, (9.8), m.
+    /// Returns the disturbed radius (9.8) of a plate as thick as the depth of the beam at the end of Hertz's contact, m.
     fn disturbed_radius(&self) -> f64 {
         disturbed(self.contact_time(), self.section.depth, &self.elastic).sqrt()
     }

@@ -1,4 +1,4 @@
-//! Convergence: modes and steps are increased until the tolerance is met.
+//! Convergence study: the number of modes is increased and the step tolerance is reduced until the tolerance of the result is met.
 
 use super::Beam;
 use super::extremes::Peak;
@@ -9,23 +9,25 @@ use crate::impact::solid::judge;
 use crate::impact::solution::{Column, Figure, Line, Solution, Table};
 use crate::units::Dimension::{AngularVelocity, Force, Impulse, Length, None as Plain, Rate, Time, Torque, Velocity};
 
-/// Modes of the first level, and the most that are tried.
+/// Number of modes of the first level.
 pub(super) const FIRST_MODES: usize = 16;
+/// Largest number of modes of a level.
 const MOST_MODES: usize = 4096;
-/// Levels in a row with other numbers of contacts than the one before, after which more modes are not expected to settle it, from so many modes on:
-/// each contact magnifies what differs in the one before.
+/// Number of successive levels with another number of contacts than the level before, after which more modes are not expected to settle the
+/// sequence: each contact magnifies the differences of the one before.
 const UNSETTLED: usize = 3;
+/// Number of modes from which on [`UNSETTLED`] applies.
 const UNSETTLED_MODES: usize = 256;
-/// Defect allowed in a step over the tolerance of the result.
+/// Defect allowed in a step, relative to the tolerance of the result.
 const STEP_PART: f64 = 0.1;
 
-/// Contacts that the summary lists.
+/// Largest number of contacts listed in the summary.
 const MOST_LINES: usize = 12;
 
-/// Difference of the coefficients of restitution by (9.31) and by integration that is worth a warning.
+/// Difference between the coefficients of restitution by (9.31) and by integration above which a warning is given.
 const LARGEST_DIFFERENCE: f64 = 0.05;
 
-/// One integration.
+/// The result of one integration.
 struct Level {
     modes: usize,
     history: History,
@@ -33,7 +35,8 @@ struct Level {
 }
 
 impl Level {
-    /// What has to converge: the first contact, the striker's last velocity, and the extremes at the gauges, each with its scale.
+    /// Returns the values that have to converge, each with its scale: the first contact, the final velocity of the striker, and the extremes at the
+    /// gauges.
     fn results(&self, velocity: f64) -> Vec<[f64; 2]> {
         let Some(first) = self.history.touches.first() else { return Vec::new() };
         let own = |value: f64| [value, value];
@@ -42,7 +45,7 @@ impl Level {
         for reading in [0, 2] {
             let gauges = 0..self.observer.readings.len();
             let extremes: Vec<f64> = gauges.map(|gauge| self.observer.largest(gauge, reading).value).collect();
-            // A gauge that hardly moves is as close as the others, not closer.
+            // A common scale: a gauge that hardly moves needs the same absolute accuracy as the others.
             let scale = extremes.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
             results.extend(extremes.into_iter().map(|value| [value, scale]));
         }
@@ -53,7 +56,7 @@ impl Level {
         self.history.touches.len()
     }
 
-    /// Largest relative difference of the results.
+    /// Returns the largest difference between the results of two levels, relative to their scales.
     fn differs(&self, finer: &Self, velocity: f64) -> f64 {
         let pairs = self.results(velocity).into_iter().zip(finer.results(velocity));
         pairs.map(|(a, b)| if b[1] == 0.0 { 0.0 } else { ((a[0] - b[0]) / b[1]).abs() }).fold(0.0, f64::max)
@@ -61,8 +64,8 @@ impl Level {
 }
 
 impl Beam {
-    /// Levels with twice the modes and a quarter of the step tolerance each, until two agree; with given modes, one. Interrupted, the last
-    /// level that is complete; the first as far as it goes.
+    /// Integrates with twice the modes and a quarter of the step tolerance per level until two levels agree; only once if the number of modes is
+    /// given. If interrupted, returns the last complete level, or the first level as far as it was computed.
     pub(super) fn converge(&self, watch: Watch<'_>) -> Solution {
         let (mut modes, mut step) = (self.modes.unwrap_or(FIRST_MODES), STEP_PART * self.tolerance);
         let mut level = self.integrate(modes, step, watch);
@@ -78,7 +81,7 @@ impl Beam {
             }
             let change = level.differs(&finer, self.striker.velocity);
             unsettled = if level.contacts() == finer.contacts() { 0 } else { unsettled + 1 };
-            // Of levels that do not settle, one may be near the next by chance.
+            // If the levels do not settle, two of them may agree by chance.
             let before = if unsettled > 1 { last } else { 0.0 };
             (level, error, last) = (finer, Some(change.max(before)), change);
             let converged = change <= self.tolerance && unsettled == 0;
@@ -88,7 +91,7 @@ impl Beam {
         }
     }
 
-    /// The result of an interrupted study of the error.
+    /// Returns the result of an interrupted convergence study.
     fn last_complete(&self, level: Level, error: Option<f64>) -> Solution {
         let known = if error.is_some() { "the tolerance is not reached" } else { "the error is not known" };
         let warning = format!("interrupted after the integration with {} modes: {known}", level.modes);
@@ -101,7 +104,7 @@ impl Beam {
     fn integrate(&self, modes: usize, tolerance: f64, watch: Watch<'_>) -> Level {
         let [least, most] = self.ends();
         let mut observer = Observer::new(self, modes, self.half_sine(), least);
-        // Gauges and shapes are read at the ends of steps.
+        // Gauges and shapes are sampled at the ends of steps.
         let looked_at = !self.gauges.is_empty() || self.shapes > 0;
         let doublings = if looked_at { 0 } else { Horizon::CONTACT_ALONE };
         let horizon = Horizon { least, most, tolerance, doublings };
@@ -197,7 +200,7 @@ impl Beam {
         ]);
     }
 
-    /// Frequency and damping of each mode.
+    /// Returns the frequency and damping of each mode.
     fn modes_table(&self, count: usize) -> Table {
         let columns = vec![
             Column::new("mode", Plain, "number of the mode", ""),
@@ -214,7 +217,7 @@ impl Beam {
         table
     }
 
-    /// Minus the striker's velocity after an impulse, over that before.
+    /// Returns the coefficient of restitution after an impulse: minus the velocity of the striker over its velocity before.
     fn rebound(&self, impulse: f64) -> f64 {
         impulse / (self.striker.mass * self.striker.velocity) - 1.0
     }
@@ -282,13 +285,13 @@ impl Beam {
 }
 
 impl Beam {
-    /// Strain of bending at which the beam yields, where the material says so.
+    /// Returns the bending strain at which the beam yields; `None` if the yield stress is unknown.
     pub(super) fn yield_strain(&self) -> Option<f64> {
         let axial = (self.foundation.axial / self.section.area).abs();
         Some((self.elastic.yield_stress? - axial) / self.elastic.modulus)
     }
 
-    /// What there is to say of the largest strain of bending, where the material says when it yields.
+    /// Warns if the largest bending strain exceeds the strain at yield; `None` if the yield stress is unknown.
     fn bends_beyond_yield(&self, strain: f64) -> Option<String> {
         let axial = (self.foundation.axial / self.section.area).abs();
         let ratio = (self.elastic.modulus * strain + axial) / self.elastic.yield_stress?;
@@ -303,7 +306,7 @@ impl Beam {
     }
 }
 
-/// One row a contact.
+/// Returns a table with one row per contact.
 fn contacts_table(history: &History) -> Table {
     let columns = vec![
         Column::new("start", Time, "start of the contact", ""),

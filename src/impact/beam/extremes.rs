@@ -1,31 +1,31 @@
-//! The largest readings at places of a beam; those of free motion between two looks are found in closed form.
+//! Largest readings at points of a beam; those of free motion between two samples are found by bisection of the closed-form motion.
 
 use super::shape::{Place, Readings};
 use crate::impact::oscillator::Oscillator;
 
-/// What is not worth a search, over the largest reading of all places.
+/// Excess over the largest known reading that is not searched for, relative to the largest reading of all points.
 const NEGLIGIBLE: f64 = 1e-8;
 
-/// Peaks are as large as each other where they differ by less: a free beam that is struck at midspan returns to the same deflection with the other
-/// sign after half a period, and the largest readings are found to within this part of themselves.
+/// Relative difference up to which two peaks count as equal. A free beam that is struck at midspan returns to the same deflection with the opposite
+/// sign after half a period, and the largest readings are computed to within this accuracy.
 const EQUAL: f64 = 1e-6;
 
-/// Parts into which a run is divided, at most.
+/// Largest number of intervals into which a run is divided.
 const MOST_PARTS: f64 = 4_194_304.0;
 
 /// The largest reading of one sign.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Peak {
-    /// With its sign.
+    /// Value with its sign.
     pub value: f64,
-    /// When it is first reached, s.
+    /// Time at which it is first reached, s.
     pub time: f64,
-    /// The reading at that time: with its sign, and up to rounding as large.
+    /// Reading at that time, with its sign; equal to `value` up to rounding.
     then: f64,
 }
 
 impl Peak {
-    /// Takes a reading of its sign.
+    /// Updates the peak with a reading of its sign.
     fn note(&mut self, value: f64, time: f64) {
         let (size, then) = (value.abs(), self.then.abs());
         if size > then * (1.0 + EQUAL) || time < self.time && size > then * (1.0 - EQUAL) {
@@ -37,7 +37,7 @@ impl Peak {
     }
 }
 
-/// The largest readings of both signs, positive first.
+/// The largest readings of both signs, the positive one first.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Peaks([Peak; 2]);
 
@@ -48,12 +48,12 @@ impl Peaks {
         }
     }
 
-    /// The largest magnitude.
+    /// Returns the largest magnitude.
     fn size(&self) -> f64 {
         self.0[0].value.max(-self.0[1].value)
     }
 
-    /// That of largest magnitude; the earlier of two that are equal.
+    /// Returns the peak of largest magnitude; the earlier one if both are equal.
     pub fn largest(&self) -> Peak {
         let [up, down] = self.0;
         let (high, low) = (up.value, -down.value);
@@ -64,19 +64,20 @@ impl Peaks {
 
 /// The readings of largest magnitude so far.
 pub(super) struct Extremes {
-    /// Each with its factors, and with their magnitudes.
+    /// Each point with its factors and with the magnitudes of its factors.
     places: Vec<[Place; 2]>,
     pub peaks: Vec<[Peaks; 3]>,
-    /// Smaller readings are not searched for.
+    /// Readings below these are not searched for.
     least: Vec<Readings>,
-    /// The modes and the readings at the last look.
+    /// The modes and the readings at the previous sample.
     before: (Vec<Oscillator>, Vec<Readings>),
-    /// Free motion is not divided further, s.
+    /// Shortest interval of free motion that is divided, s.
     shortest: f64,
 }
 
 impl Extremes {
-    /// Each place with the readings from which on they are of interest.
+    /// Creates an empty record for points, each with the smallest readings that are of interest. `finest` is the finest time step and `end` the end
+    /// of the run, s.
     pub fn new(places: &[(Place, Readings)], [finest, end]: [f64; 2]) -> Self {
         let shortest = (finest / 64.0).max(end / MOST_PARTS);
         let least = places.iter().map(|(_, least)| *least).collect();
@@ -85,7 +86,7 @@ impl Extremes {
         Self { peaks, least, places, before: (Vec::new(), Vec::new()), shortest }
     }
 
-    /// At a time, s, after free motion over another; 0: the bodies were in contact.
+    /// Records the readings at a time, s. `flown` is the duration of the free motion since the previous sample, s; 0 if the bodies were in contact.
     pub fn look(&mut self, modes: &[Oscillator], force: f64, [time, flown]: [f64; 2]) {
         if self.places.is_empty() {
             return;
@@ -110,8 +111,8 @@ impl Extremes {
         now
     }
 
-    /// Halves a time of free motion from these modes, which begins at a time, with the readings at its ends and those of all modes at their
-    /// amplitudes, until it cannot hold more than is known.
+    /// Bisects an interval of free motion until it cannot contain a reading larger than the known ones. `modes` is the state at its start, `from`
+    /// and `to` are the readings at its ends, and `most` are the readings with all modes at their amplitudes.
     fn search(&mut self, modes: &[Oscillator], [from, to, most]: [&[Readings]; 3], [start, time]: [f64; 2]) {
         if time <= self.shortest || !self.may_exceed(modes, [from, to, most], time) {
             return;
@@ -123,8 +124,8 @@ impl Extremes {
         self.search(&middle, [&readings, to, most], [start + half, half]);
     }
 
-    /// A reading may be larger within a time than so far: it is off the line between its ends by up to an eighth of its largest bend times
-    /// the square of the time, and no larger than with all modes at their amplitudes.
+    /// Whether a reading within the interval may exceed the known ones. It differs from the line between the ends of the interval by at most an
+    /// eighth of the largest second derivative times the square of the interval, and is no larger than with all modes at their amplitudes.
     fn may_exceed(&self, modes: &[Oscillator], [from, to, most]: [&[Readings]; 3], time: f64) -> bool {
         let scale = |i: usize| self.peaks.iter().fold(0.0, |most: f64, peaks| most.max(peaks[i].size()));
         let scale: Readings = std::array::from_fn(scale);

@@ -1,4 +1,4 @@
-//! A sphere that strikes a simply supported beam, damped or not, with or without an elastic foundation and an axial force.
+//! Impact of a sphere on a simply supported beam, with or without damping, an elastic foundation and an axial force.
 
 mod approximation;
 mod converge;
@@ -24,18 +24,18 @@ use crate::units::{self, System as Units};
 /// A cross-section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
-    /// m^2, > 0.
+    /// Area, m^2, > 0.
     pub area: f64,
     /// Second moment of area, m^4, > 0.
     pub inertia: f64,
     /// Full depth in the direction of the impact, m, > 0.
     pub depth: f64,
-    /// What the sphere meets.
+    /// Surface that the sphere strikes.
     pub face: Face,
 }
 
 impl Section {
-    /// Of a beam. The second moment of area is largest with half of the area at each face.
+    /// Checks the section of a beam. The second moment of area is largest if half of the area is at each face.
     pub(crate) fn check(&self) -> Checked {
         let Self { area, inertia, depth, face } = *self;
         positive([("section.area", area, Area), ("section.depth", depth, Length)])?;
@@ -56,22 +56,22 @@ impl Section {
     }
 }
 
-/// By which part computed sections may exceed a limit.
+/// Relative amount by which computed sections may exceed a limit.
 const ROUNDING: f64 = 1e-9;
 
 /// The struck face of a beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Face {
-    /// Flat.
+    /// A flat face.
     Flat {
-        /// m, > 0; infinite where it is not known.
+        /// Width, m, > 0; infinite if unknown.
         width: f64,
     },
-    /// The side of a cylinder: of a round section.
+    /// The side of a cylinder, for a round section.
     Round,
 }
 
-/// What acts along the beam; zeros: nothing.
+/// Distributed damping and stiffness along the beam, and its axial force; 0 disables each.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Foundation {
     /// Internal damping c1, Pa s, >= 0.
@@ -80,75 +80,76 @@ pub struct Foundation {
     pub external: f64,
     /// Modulus k, N/m^2, >= 0.
     pub modulus: f64,
-    /// Axial force, N, compression positive; below that of buckling.
+    /// Axial force, N, compression positive; below the buckling load.
     pub axial: f64,
 }
 
-/// A sphere and a simply supported beam at rest.
+/// A sphere that strikes a simply supported beam at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Beam {
-    /// m, > 0.
+    /// Length, m, > 0.
     pub length: f64,
     /// Cross-section.
     pub section: Section,
-    /// Of the beam: not rigid, and of known density.
+    /// Elastic constants of the beam: not rigid, and with a known density.
     pub elastic: Elastic,
     /// Damping, foundation, axial force.
     pub foundation: Foundation,
     /// The sphere, with a velocity > 0.
     pub striker: Solid,
-    /// Place of the impact from the left support, m, inside the beam.
+    /// Point of impact, measured from the left support, m, inside the beam.
     pub at: f64,
-    /// Gauges: name and place, m, within the beam.
+    /// Gauges: name and distance from the left support, m, within the beam.
     pub gauges: Vec<(String, f64)>,
-    /// Number of deflected shapes, evenly over time, 0 to [`Beam::MOST_SHAPES`].
+    /// Number of deflected shapes, evenly spaced in time, 0 to [`Beam::MOST_SHAPES`].
     pub shapes: usize,
-    /// End, s, > 0; none: when the sphere has left for good, and not before one period of the lowest mode.
+    /// End time, s, > 0; `None`: when the sphere has left for good, but at least one period of the lowest mode.
     pub until: Option<f64>,
-    /// Largest relative change of the results when modes are doubled and the step tolerance is divided by 4, 1e-12 to 0.01; the
-    /// modes follow from it.
+    /// Largest relative change of the results when the number of modes is doubled and the step tolerance is divided by 4, 1e-12 to 0.01; it
+    /// determines the number of modes.
     pub tolerance: f64,
-    /// Number of modes, 1 to [`Beam::MOST_MODES`], instead of that from the tolerance.
+    /// Number of modes, 1 to [`Beam::MOST_MODES`]; `None`: determined by the tolerance.
     pub modes: Option<usize>,
 }
 
-/// Earliest and latest end of a run without an end time: the longer of so many periods of the lowest mode and Hertz contact times.
+/// Earliest and latest end of a run without an end time: the larger of these multiples of the period of the lowest mode and of the Hertz contact
+/// time.
 const PERIODS: [f64; 2] = [1.0, 50.0];
 const CONTACT_TIMES: [f64; 2] = [1.5, 100.0];
 
-/// Smallest axial force, N, at which a mode has no stiffness: E I (n pi/l)^2 + k/(n pi/l)^2 over all n.
+/// Returns the smallest axial force at which a mode has no stiffness, N: the minimum over n of E I (n pi/l)^2 + k/(n pi/l)^2.
 pub(crate) fn buckling(length: f64, bending: f64, modulus: f64) -> f64 {
     let load = |n: f64| {
         let k2 = (n * PI / length).powi(2);
         bending * k2 + modulus / k2
     };
-    // The best wave number is the fourth root of modulus/bending; the whole numbers beside it hold the smallest.
+    // The optimum wave number is the fourth root of modulus/bending; one of the two neighbouring integers n gives the minimum.
     let best = ((modulus / bending).powf(0.25) * length / PI).floor().max(1.0);
     load(best).min(load(best + 1.0))
 }
 
 impl Beam {
-    /// Most modes that can be asked for.
+    /// Largest number of modes that can be requested.
     pub const MOST_MODES: usize = 10_000;
-    /// Most deflected shapes that can be asked for.
+    /// Largest number of deflected shapes that can be requested.
     pub const MOST_SHAPES: usize = 1000;
 
-    /// Half the beam's mass: the modal mass of every mode, kg.
+    /// Returns half the mass of the beam, which is the modal mass of every mode, kg.
     pub fn modal_mass(&self) -> f64 {
         0.5 * self.elastic.density * self.section.area * self.length
     }
 
-    /// Wave number of mode n, 1/m.
+    /// Returns the wave number of mode n, 1/m.
     fn wave_number(&self, n: usize) -> f64 {
         n as f64 * PI / self.length
     }
 
-    /// E I, N m^2.
+    /// Returns the bending stiffness E I, N m^2.
     fn bending(&self) -> f64 {
         self.elastic.modulus * self.section.inertia
     }
 
-    /// Undamped angular frequency and damping number of mode n, (9.24), with the axial force.
+    /// Returns the undamped angular frequency (rad/s) and the damping number (1/s) of mode n, (9.24), with the axial force.
     pub fn frequency(&self, n: usize) -> [f64; 2] {
         let (k2, line) = (self.wave_number(n).powi(2), self.elastic.density * self.section.area);
         let stiffness = self.bending() * k2 * k2 - self.foundation.axial * k2 + self.foundation.modulus;
@@ -156,25 +157,25 @@ impl Beam {
         [(stiffness / line).sqrt(), 0.5 * damping / line]
     }
 
-    /// Shape of mode n at a place: by the distance from the nearer support, at which a shape has no rounding that would be all of it.
+    /// Returns the shape of mode n at x. It is computed from the distance to the nearer support, so that rounding is small compared with the shape.
     fn shape(&self, n: usize, x: f64) -> f64 {
         let right = x > 0.5 * self.length;
         let near = if right { self.length - x } else { x };
-        // Exact zeros of the antisymmetric modes under a central impact.
+        // Antisymmetric modes are exactly zero under a central impact.
         let place = n as f64 * near / self.length;
         let shape = if place.fract() == 0.0 { 0.0 } else { (PI * (place % 2.0)).sin() };
         if right && n.is_multiple_of(2) { -shape } else { shape }
     }
 
-    /// Modes 1 to `count`, at rest.
+    /// Returns modes 1 to `count`, at rest.
     fn oscillators(&self, count: usize) -> impl Iterator<Item = Oscillator> + '_ {
         let mass = self.modal_mass();
         (1..=count).map(move |n| Oscillator::new(mass, self.frequency(n), self.shape(n, self.at)))
     }
 
-    /// Modes 1 to `count`, and with internal damping one oscillator more for all those above: it has their static compliance and the
-    /// frequency and damping of the lowest of them. Over-critical modes creep with the rate E/c1 whatever their number, so that one stands
-    /// for all. Without internal damping they follow the force at once.
+    /// Returns modes 1 to `count` and, with internal damping, one more oscillator that represents all higher modes: it has their static compliance
+    /// and the frequency and damping of the lowest of them. Overdamped modes creep at the rate E/c1 regardless of their number, so that one
+    /// oscillator represents them all. Without internal damping the higher modes follow the force without delay.
     fn bending_modes(&self, count: usize) -> impl Iterator<Item = Oscillator> + '_ {
         let above = (self.foundation.internal > 0.0).then(|| {
             let [omega, delta] = self.frequency(count + 1);
@@ -183,12 +184,12 @@ impl Beam {
         self.oscillators(count).chain(above)
     }
 
-    /// The law of the contact.
+    /// Returns the contact law.
     pub fn contact(&self) -> Hertz {
         self.area_of_contact().law
     }
 
-    /// The contact with its area: on a round beam an ellipse, the longer axis along the beam.
+    /// Returns the contact law with the area of contact: on a round beam an ellipse with the longer axis along the beam.
     pub fn area_of_contact(&self) -> Ellipse {
         match self.section.face {
             Face::Flat { .. } => Ellipse::circle(self.striker.contact(&self.elastic.half_space())),
@@ -196,7 +197,7 @@ impl Beam {
         }
     }
 
-    /// Striker and beam of so many modes.
+    /// Returns the striker and the beam with this number of modes.
     fn system(&self, count: usize) -> System {
         let striker = Oscillator { v: self.striker.velocity, ..Oscillator::new(self.striker.mass, [0.0, 0.0], -1.0) };
         let modes = std::iter::once(striker).chain(self.bending_modes(count)).collect();
@@ -204,17 +205,17 @@ impl Beam {
         System { modes, compliance, ..System::default() }
     }
 
-    /// Period of the lowest mode, s.
+    /// Returns the period of the lowest mode, s.
     fn period(&self) -> f64 {
         2.0 * PI / self.frequency(1)[0]
     }
 
-    /// Of the sphere on a half-space, s.
+    /// Returns Hertz's contact time, s, for a sphere and a beam that does not move.
     fn contact_time(&self) -> f64 {
         self.contact().contact_time(self.striker.mass, self.striker.velocity)
     }
 
-    /// Earliest and latest end, s.
+    /// Returns the earliest and the latest end of the run, s.
     fn ends(&self) -> [f64; 2] {
         let (period, contact) = (self.period(), self.contact_time());
         let free = || [0, 1].map(|i| (PERIODS[i] * period).max(CONTACT_TIMES[i] * contact));
@@ -223,22 +224,22 @@ impl Beam {
 }
 
 impl Beam {
-    /// Time steps of one integration up to its earliest end, about: those of free flight.
+    /// Returns the approximate number of time steps of one integration up to its earliest end: those of free flight.
     pub fn expected_steps(&self) -> f64 {
         self.finest_steps().min(Horizon::ROWS)
     }
 
-    /// Of the finest steps up to its earliest end: between rows the readings at gauges are searched.
+    /// Returns the number of finest steps up to the earliest end: between samples the readings at gauges are searched for extremes.
     pub fn finest_steps(&self) -> f64 {
         self.ends()[0] / self.finest()
     }
 
-    /// Finest step of free flight, s.
+    /// Returns the finest step of free flight, s.
     fn finest(&self) -> f64 {
         self.contact_time() / Horizon::COARSEST
     }
 
-    /// Bytes of its histories, about.
+    /// Returns the approximate size of the histories, bytes.
     pub fn expected_bytes(&self) -> f64 {
         self.expected_steps() * 8.0 * observe::columns(self.gauges.len()) as f64
     }

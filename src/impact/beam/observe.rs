@@ -11,10 +11,10 @@ use crate::impact::pulse::Pulse;
 use crate::impact::solution::{Shapes, Table};
 use crate::units::Dimension::{Force, Length, None as Plain, Torque, Velocity};
 
-/// Places of the deflected shapes.
+/// Number of points of a deflected shape.
 const PLACES: usize = 101;
 
-/// Columns of what is read at a gauge.
+/// Names of the columns read at a gauge.
 const READINGS: [&str; 3] = ["deflection", "moment", "strain"];
 
 /// All histories so far.
@@ -22,17 +22,17 @@ pub(super) struct Observer {
     law: Hertz,
     pulse: HalfSine,
     pulses: Vec<(Oscillator, Pulse)>,
-    /// The modes when the half-sine pulse ends.
+    /// The modes at the end of the half-sine pulse.
     pulsed: Vec<Oscillator>,
     struck: Place,
     gauges: Vec<Place>,
     line: Vec<Place>,
-    /// Number of deflected shapes.
+    /// Requested number of deflected shapes.
     asked: Option<usize>,
     shape_every: f64,
     shape_due: f64,
     start: f64,
-    /// At the gauges, and at the impact where it is known when the beam yields.
+    /// Extremes at the gauges, and at the point of impact if the yield stress is known.
     extremes: Extremes,
     finest: f64,
     pub contact: Table,
@@ -76,14 +76,14 @@ fn gauge_table(name: &str, x: f64) -> Table {
     Table { x: Some(x), ..Table::over_time(format!("gauges/{name}"), columns) }
 }
 
-/// Columns of all histories with so many gauges.
+/// Returns the number of columns of all histories with this number of gauges.
 pub(super) fn columns(gauges: usize) -> usize {
     contact_table().columns.len() + ledger_table().columns.len() + gauges * gauge_table("", 0.0).columns.len()
 }
 
-/// The largest value of a column over time of one sign, and its time, where it is reached in contact: the vertex of the parabola through the
-/// largest sample and its neighbours, where these are not farther than the finest steps of free flight. Zeros where it is in free flight, in which the
-/// motion between samples is known.
+/// Returns the largest value of a column over time of one sign, and its time, if it is reached in contact: the vertex of the parabola through the
+/// largest sample and its neighbours, or the sample itself if these are farther apart than the finest steps of free flight. Returns zeros if it is
+/// reached in free flight, in which the motion between samples is known.
 fn vertex(table: &Table, column: &str, (force, finest): (&[f64], f64), sign: f64) -> [f64; 2] {
     let (time, values) = (table.own("time"), table.own(column));
     // The first of equal samples.
@@ -100,11 +100,11 @@ fn vertex(table: &Table, column: &str, (force, finest): (&[f64], f64), sign: f64
         return sample;
     }
     let (low, high) = (values[i - 1] - values[i], values[i + 1] - values[i]);
-    // slope t + bend t^2 through both neighbours.
+    // slope t + bend t^2 passes through both neighbours.
     let bend = (high / after - low / before) / (after - before);
     let slope = high / after - bend * after;
     let vertex = -0.5 * slope / bend;
-    // Outside its three samples the parabola says nothing; with equal samples the vertex is no number.
+    // The parabola is not valid outside its three samples; for equal samples the vertex is NaN.
     if (before..=after).contains(&vertex) { [values[i] + 0.5 * slope * vertex, time[i] + vertex] } else { sample }
 }
 
@@ -116,7 +116,7 @@ impl Observer {
         let struck = beam.place(beam.at, count);
         let gauges: Vec<Place> = beam.gauges.iter().map(|(_, x)| beam.place(*x, count)).collect();
         let mut places: Vec<(Place, Readings)> = gauges.iter().map(|gauge| (gauge.clone(), [0.0; 3])).collect();
-        // At the impact only a strain that yields is of interest.
+        // At the point of impact only strains above yield are of interest.
         places.extend(beam.yield_strain().map(|strain| (struck.clone(), [f64::INFINITY, f64::INFINITY, strain])));
         let finest = beam.finest();
         Self {
@@ -152,7 +152,7 @@ impl Observer {
         self.shape(time, force, modes);
     }
 
-    /// Keeps the deflected shape where one is due. Twice as many as asked for are thinned to half.
+    /// Stores the deflected shape if one is due. When more than twice the requested number are stored, every second one is discarded.
     fn shape(&mut self, time: f64, force: f64, modes: &[Oscillator]) {
         let Some(asked) = self.asked.filter(|_| time >= self.shape_due * (1.0 - 1e-12)) else { return };
         self.shapes.time.push(time);
@@ -191,7 +191,8 @@ impl Observer {
         }
     }
 
-    /// The reading of largest magnitude at a gauge, the first of equal ones; in contact, of the parabola through the largest row and its neighbours.
+    /// Returns the reading of largest magnitude at a gauge, the first of equal ones; in contact, that of the parabola through the largest sample
+    /// and its neighbours.
     pub fn largest(&self, gauge: usize, reading: usize) -> Peak {
         let mut peaks: Peaks = self.extremes.peaks[gauge][reading];
         let contact = (self.contact.own("force"), self.finest);
@@ -202,7 +203,7 @@ impl Observer {
         peaks.largest()
     }
 
-    /// Largest strain of bending at the gauges, and at the impact where it is known when the beam yields.
+    /// Returns the largest bending strain at the gauges, and at the point of impact if the yield stress is known.
     pub fn strain(&self) -> f64 {
         self.extremes.peaks.iter().fold(0.0, |most, peaks| most.max(peaks[2].largest().value.abs()))
     }

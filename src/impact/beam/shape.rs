@@ -3,15 +3,15 @@
 use super::Beam;
 use crate::impact::oscillator::Oscillator;
 
-/// Factors of a place: mode shapes, and what the modes that are left out follow with at once.
+/// Factors of a point of the beam: mode shapes, and the static response of the modes that are left out.
 #[derive(Debug, Clone)]
 pub(super) struct Place {
-    /// Deflection and curvature here of a unit of each mode.
+    /// Deflection and curvature at the point per unit of each mode.
     modes: Vec<[f64; 2]>,
-    /// Deflection, m/N, and moment, N m/N, under a unit contact force, of the modes above where they follow it at once.
+    /// Deflection, m/N, and moment, N m/N, under a unit contact force, of the higher modes that follow it without delay.
     tail: [f64; 2],
     bending: f64,
-    /// c1 I.
+    /// Internal damping times second moment of area, c1 I, N m^2 s.
     internal: f64,
     half_depth: f64,
 }
@@ -20,7 +20,7 @@ pub(super) struct Place {
 pub(super) type Readings = [f64; 3];
 
 impl Beam {
-    /// A place for a beam of so many modes.
+    /// Returns the factors of a point for a beam with this number of modes.
     pub(super) fn place(&self, x: f64, count: usize) -> Place {
         let mode = |n: usize| [self.shape(n, x), self.shape(n, x) * self.wave_number(n).powi(2)];
         let [deflection, moment] = self.tail(count, x);
@@ -36,8 +36,8 @@ impl Beam {
         }
     }
 
-    /// Static deflection and moment at x under a unit force at the place of the impact, less those of the first modes: the modes above
-    /// are so stiff that their inertia does not count. Foundation and axial force do not act on modes so short.
+    /// Returns the static deflection and moment at x under a unit force at the point of impact, without those of the first `count` modes. The
+    /// higher modes are so stiff that their inertia is negligible, and their wavelengths are so short that foundation and axial force are, too.
     pub(super) fn tail(&self, count: usize, x: f64) -> [f64; 2] {
         let [a, x] = if x <= self.at { [self.at, x] } else { [self.length - self.at, self.length - x] };
         let (l, b) = (self.length, self.length - a);
@@ -54,12 +54,12 @@ impl Beam {
 }
 
 impl Place {
-    /// With the magnitudes of its factors.
+    /// Returns the point with the magnitudes of its factors.
     pub fn magnitude(&self) -> Self {
         Self { modes: self.modes.iter().map(|factors| factors.map(f64::abs)).collect(), ..self.clone() }
     }
 
-    /// From the modes' displacements and velocities, and the contact force, N.
+    /// Computes the readings from the displacements and velocities of the modes and the contact force, N.
     pub fn read(&self, modes: &[Oscillator], force: f64) -> Readings {
         let (mut deflection, mut curvature, mut rate) = (0.0, 0.0, 0.0);
         for (mode, [shape, curved]) in modes.iter().zip(&self.modes) {

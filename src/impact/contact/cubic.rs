@@ -1,20 +1,21 @@
-//! The contact force over a time step: a cubic through Lobatto's nodes.
+//! The contact force over a time step: a cubic through the Lobatto nodes.
 
 use crate::impact::oscillator::TERMS;
 
-/// Lobatto's nodes of a step, and the place where the defect is looked at.
+/// Lobatto nodes of a step, as fractions of it.
 pub(super) const NODES: [f64; TERMS] = [0.0, 0.276_393_202_250_021, 0.723_606_797_749_979, 1.0];
+/// Fractions of the step at which the approach is computed: the nodes after the first, and the point at which the defect is evaluated.
 pub(super) const LOOKS: [f64; TERMS] = [NODES[1], NODES[2], 1.0, 0.5];
-/// The force over a step: values at [`NODES`].
+/// Force over a step: values at [`NODES`].
 pub(super) type Nodal = [f64; TERMS];
 
-/// Value at a part of the step of the cubic that is 1 at one node and 0 at the others.
+/// Returns the value, at a fraction of the step, of the cubic that is 1 at one node and 0 at the others.
 pub(super) fn lagrange(node: usize, part: f64) -> f64 {
     let others = NODES.iter().enumerate().filter(|(other, _)| *other != node);
     others.map(|(_, x)| (part - x) / (NODES[node] - x)).product()
 }
 
-/// Coefficients of the cubic in powers of the part of the step.
+/// Returns the coefficients of the cubic in powers of the fraction of the step.
 fn powers(force: &Nodal) -> [f64; TERMS] {
     let mut sum = [0.0; TERMS];
     for (node, value) in force.iter().enumerate() {
@@ -31,7 +32,7 @@ fn powers(force: &Nodal) -> [f64; TERMS] {
     sum
 }
 
-/// Factors of s^k/k! in the force, s being the time in the step.
+/// Returns the factors of s^k/k! in the force, where s is the time within the step.
 pub(super) fn taylor(force: &Nodal, dt: f64) -> [f64; TERMS] {
     let mut factor = 1.0;
     let mut terms = powers(force);
@@ -42,15 +43,15 @@ pub(super) fn taylor(force: &Nodal, dt: f64) -> [f64; TERMS] {
     terms
 }
 
-/// Integral over the step by Lobatto's rule, exact up to the power 5.
+/// Returns the integral over the step by Lobatto's rule, exact for polynomials up to degree 5.
 pub(super) fn impulse(force: &Nodal, dt: f64) -> f64 {
     dt * (force[0] + 5.0 * (force[1] + force[2]) + force[3]) / 12.0
 }
 
-/// The largest value of the cubic inside the step, and its place.
+/// Returns the fraction of the step and the value of the local maximum of the cubic; `None` if there is none within the step.
 pub(super) fn peak(force: &Nodal) -> Option<[f64; 2]> {
     let [_, b, c, d] = powers(force);
-    // b + 2 c x + 3 d x^2 = 0, falling there.
+    // Root of b + 2 c x + 3 d x^2 = 0 at which the derivative decreases.
     let root = c * c - 3.0 * d * b;
     if root < 0.0 {
         return None;

@@ -1,4 +1,4 @@
-//! Free flight between two contacts: the motion is known in closed form, and so is when the bodies meet again.
+//! Free flight between two contacts. The motion is known in closed form, and so is the time at which the bodies meet again.
 
 use std::ops::ControlFlow;
 use std::rc::Rc;
@@ -7,11 +7,11 @@ use super::{Contact, Horizon, Moment, System};
 use crate::impact::oscillator::TERMS;
 use crate::root::bisect;
 
-/// Over the step of free flight: a penetration that is over sooner is not looked for.
+/// Shortest duration of a penetration that is searched for, relative to the step of free flight.
 const RESOLUTION: f64 = 1e-6;
 
 impl Contact {
-    /// From a separation to the next touch; true where there is none to come.
+    /// Advances from a separation to the next contact. Returns true if there is none.
     pub(super) fn fly(
         &mut self,
         horizon: Horizon,
@@ -38,7 +38,8 @@ impl Contact {
 }
 
 impl System {
-    /// When the bodies touch again in free motion, s; none: not within a time. From one moment to the next go as long as they cannot.
+    /// Returns the time after which the bodies touch again in free motion, s; `None` if they do not within the given time. The search advances by
+    /// intervals in which they cannot touch.
     fn meets(&self, longest: f64, within: f64) -> Option<f64> {
         let (mut time, mut now) = (0.0, self.clone());
         loop {
@@ -55,16 +56,16 @@ impl System {
         }
     }
 
-    /// In free motion a time later.
+    /// Returns the system after a time of free motion.
     fn after(&self, time: f64) -> Self {
         Self { modes: self.modes.iter().map(|mode| mode.after(time)).collect(), ..*self }
     }
 
-    /// So long the bodies cannot touch in free motion, s: the acceleration of the approach has a bound.
+    /// Returns a lower bound of the time until the bodies touch in free motion, s, from a bound of the acceleration of the approach.
     fn apart_for(&self) -> f64 {
         let (gap, closing) = ((-self.approach(0.0)).max(0.0), self.closing());
         let most: f64 = self.modes.iter().map(|mode| mode.shape.abs() * mode.bend().q).sum();
-        // gap = closing t + most t^2/2.
+        // Solves gap = closing t + most t^2/2.
         let root = (closing * closing + 2.0 * most * gap).sqrt();
         if closing > 0.0 {
             2.0 * gap / (closing + root)

@@ -6,7 +6,7 @@ use super::system::Step;
 use crate::root::bisect;
 
 impl Contact {
-    /// How far force and approach are from the law between the nodes, N.
+    /// Returns the deviation of force and approach from Hertz's law between the nodes, N.
     pub(super) fn defect(&self, step: &Step, force: &Nodal) -> f64 {
         let lost: f64 = step.receptance[3].iter().zip(force).map(|(r, f)| r * f).sum();
         let approach = self.system.coasted(step)[3] - lost;
@@ -14,7 +14,7 @@ impl Contact {
         (self.law.force(approach) - interpolated).abs()
     }
 
-    /// The forces at the nodes that obey the law there: Newton's method for the three approaches. None where it does not converge.
+    /// Returns the forces at the nodes that satisfy Hertz's law there, by Newton's method for the three approaches. `None` if it does not converge.
     pub(super) fn solve(&self, step: &Step) -> Option<Nodal> {
         let free = self.system.coasted(step);
         let free: [f64; 3] = std::array::from_fn(|i| free[i] - step.receptance[i][0] * self.force);
@@ -42,7 +42,7 @@ impl Contact {
         None
     }
 
-    /// The step that ends where the approach is back at 0.
+    /// Returns the step that ends when the approach has returned to 0.
     pub(super) fn to_separation(&self, step: &Step) -> Step {
         let touching = |dt: f64| {
             let step = self.system.step(dt);
@@ -52,7 +52,7 @@ impl Contact {
     }
 }
 
-/// Solves three linear equations, the right side in the last column; none where they are singular.
+/// Solves three linear equations with the right-hand side in the last column; `None` if they are singular.
 fn eliminate(mut m: [[f64; 4]; 3]) -> Option<[f64; 3]> {
     for i in 0..3 {
         let pivot = (i..3).max_by(|&a, &b| m[a][i].abs().total_cmp(&m[b][i].abs()))?;

@@ -1,8 +1,8 @@
-//! Hertz contact of linear bodies, integrated in time: one integrator for spheres, plates, beams and rods.
+//! Time integration of the Hertz contact of linear bodies: one integrator for spheres, plates, beams and rods.
 //!
-//! The contact force over a step is a cubic in time through four Lobatto nodes. The motion of every body is exact for it
-//! ([`super::Oscillator`]), so that no frequency limits the step. At the nodes force and approach obey Hertz's law; between them, the
-//! defect of the law sets the step. Separations and new contacts end a step.
+//! The contact force over a step is a cubic in time through four Lobatto nodes. The motion of every body under it is exact ([`super::Oscillator`]),
+//! so that no frequency limits the step. At the nodes, force and approach satisfy Hertz's law; between them, the defect of the law controls the
+//! step size. Separations and new contacts end a step.
 
 mod cubic;
 mod flight;
@@ -19,83 +19,83 @@ pub use system::System;
 
 use crate::bar::Hertz;
 
-/// Halvings of the step of free flight.
+/// Largest number of halvings of the step of free flight.
 const MOST_HALVINGS: i32 = 60;
 
-/// One contact.
+/// One contact, from touch to separation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {
-    /// When it begins, s.
+    /// Start, s.
     pub start: f64,
-    /// When it ends, s; the end of the run where it lasts on.
+    /// End, s; the end of the run if the contact lasts longer.
     pub end: f64,
-    /// The bodies separate then.
+    /// Whether the bodies separate at the end.
     pub ended: bool,
     /// Largest force, N.
     pub peak_force: f64,
-    /// When that is, s.
+    /// Time of the largest force, s.
     pub peak_time: f64,
     /// Largest approach, m.
     pub approach: f64,
-    /// N s.
+    /// Impulse, N s.
     pub impulse: f64,
 }
 
-/// How an integration went.
+/// The contacts and the statistics of an integration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
-    /// In order of time.
+    /// Contacts in order of time.
     pub touches: Vec<Touch>,
-    /// Steps taken.
+    /// Number of steps.
     pub steps: usize,
-    /// Those of them in contact.
+    /// Number of steps in contact.
     pub contact_steps: usize,
-    /// The bodies have separated and cannot meet again.
+    /// Whether the bodies have separated and cannot meet again.
     pub separated: bool,
-    /// s.
+    /// End of the integration, s.
     pub end: f64,
-    /// The observer asked to stop before that.
+    /// Whether the observer stopped the integration early.
     pub interrupted: bool,
 }
 
-/// A moment that is looked at.
+/// A state that is shown to the observer.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment<'a> {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// N.
+    /// Contact force, N.
     pub force: f64,
-    /// Of the free motion since the last look, s; 0 in contact.
+    /// Duration of the free motion since the previous observation, s; 0 in contact.
     pub flown: f64,
-    /// m; negative where the bodies are apart.
+    /// Approach, m; negative if the bodies are separated.
     pub approach: f64,
     /// All bodies.
     pub system: &'a System,
 }
 
-/// How long to integrate, and how closely.
+/// Duration and accuracy of an integration.
 #[derive(Debug, Clone, Copy)]
 pub struct Horizon {
     /// Earliest end, s.
     pub least: f64,
-    /// Latest end, s. In between the integration ends when the bodies have separated for good.
+    /// Latest end, s. After `least` the integration ends as soon as the bodies have separated for good.
     pub most: f64,
     /// Largest defect of Hertz's law, relative to the largest force, > 0.
     pub tolerance: f64,
-    /// How often the step of free flight, 1/128 of the Hertz duration, may be doubled in contact, >= 0.
+    /// Number of times that the step of free flight, 1/128 of the Hertz duration, may be doubled in contact, >= 0.
     pub doublings: i32,
 }
 
 impl Horizon {
-    /// A step of free flight is the Hertz duration over this: what elastic bodies do is read at the ends of steps.
+    /// Hertz duration over the step of free flight: the motion of elastic bodies is sampled at the ends of steps.
     pub const COARSEST: f64 = 128.0;
-    /// Steps of free flight up to the earliest end, at most: they are doubled until there are no more.
+    /// Largest number of steps of free flight up to the earliest end; the step is doubled until there are no more.
     pub const ROWS: f64 = 4096.0;
-    /// Doublings where nothing but the contact is looked at: steps of up to a quarter of it.
+    /// Number of doublings if only the contact is observed: steps of up to a quarter of its duration.
     pub const CONTACT_ALONE: i32 = 5;
 }
 
-/// The integration of a contact that begins at t = 0 with the approach 0.
+/// The integration of a contact that begins at t = 0 with an approach of 0.
 #[derive(Debug)]
 pub struct Contact {
     law: Hertz,
@@ -111,19 +111,19 @@ pub struct Contact {
 }
 
 impl Touch {
-    /// s; NaN where the bodies do not separate.
+    /// Returns the duration, s; NaN if the bodies do not separate.
     pub fn duration(&self) -> f64 {
         if self.ended { self.end - self.start } else { f64::NAN }
     }
 
-    /// That begins at a time, s.
+    /// Creates a contact that begins at a time, s.
     fn at(start: f64) -> Self {
         Self { start, end: start, ended: false, peak_force: 0.0, peak_time: start, approach: 0.0, impulse: 0.0 }
     }
 }
 
 impl Contact {
-    /// Bodies that touch and approach each other.
+    /// Starts with bodies that touch and approach each other.
     pub fn new(law: Hertz, system: System) -> Self {
         let velocity = system.closing();
         let inertia = 1.0 / system.modes[0].mass
@@ -134,7 +134,7 @@ impl Contact {
         Self { law, system, steps: HashMap::new(), longest, scale, time: 0.0, force: 0.0, taken: [0, 0], halvings: 0 }
     }
 
-    /// Integrates and shows every moment, the last being the state at the end. Ends early where `look` breaks off.
+    /// Integrates and calls `look` at every step; the last call shows the final state. Ends early if `look` breaks.
     pub fn run(mut self, horizon: Horizon, mut look: impl FnMut(Moment<'_>) -> ControlFlow<()>) -> History {
         let mut touches = Vec::new();
         let ended = self.integrate(horizon, &mut touches, &mut look);
@@ -148,7 +148,7 @@ impl Contact {
         }
     }
 
-    /// True where the bodies have separated for good.
+    /// Integrates contacts and free flights in turn. Returns true if the bodies have separated for good.
     fn integrate(
         &mut self,
         horizon: Horizon,
@@ -173,20 +173,20 @@ impl Contact {
         look(Moment { time: self.time, force: self.force, flown, approach, system: &self.system })
     }
 
-    /// The step of free flight halved so often; doubled for negative numbers.
+    /// Returns the step of free flight halved this many times; doubled for negative numbers.
     fn of_level(&mut self, halvings: i32) -> Rc<Step> {
         let (system, longest) = (&self.system, self.longest);
         self.steps.entry(halvings).or_insert_with(|| Rc::new(system.step(longest * 0.5_f64.powi(halvings)))).clone()
     }
 
-    /// From the first touch to the separation.
+    /// Integrates from touch to separation.
     fn touch(
         &mut self,
         touch: &mut Touch,
         horizon: Horizon,
         look: &mut impl FnMut(Moment<'_>) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        // The force starts as the power 3/2 of time: short steps first.
+        // The force starts as t^(3/2), which needs short steps first.
         self.halvings = ((1.0 / horizon.tolerance).log2() * 2.0 / 3.0) as i32 + 2;
         while self.time < horizon.most {
             let (step, force, defect) = self.trial(horizon);
@@ -211,7 +211,7 @@ impl Contact {
         ControlFlow::Continue(())
     }
 
-    /// A step short enough for the tolerance, its force, and its defect.
+    /// Returns a step short enough for the tolerance, its force, and its defect.
     fn trial(&mut self, horizon: Horizon) -> (Rc<Step>, Nodal, f64) {
         loop {
             let mut step = self.of_level(self.halvings);

@@ -3,46 +3,46 @@
 use super::cubic::{LOOKS, Nodal, impulse, lagrange, taylor};
 use crate::impact::oscillator::{Kernel, Oscillator, TERMS};
 
-/// Bodies in contact. The approach is minus the sum of shape q over all oscillators, minus the displacement of the dashpot and of the
-/// spring: the striker has the shape -1.
+/// Bodies in contact. The approach is minus the sum of shape times q over all oscillators, minus the displacements of the dashpot and of the
+/// spring; the striker has the shape -1.
 #[derive(Debug, Clone, Default)]
 pub struct System {
-    /// Striker first.
+    /// Oscillators, the striker first.
     pub modes: Vec<Oscillator>,
-    /// Velocity under a unit force of a body that answers as a dashpot, m/(N s); 0: there is none.
+    /// Velocity per unit force of a body that responds as a dashpot, m/(N s); 0 if there is none.
     pub mobility: f64,
-    /// Displacement of that body, m.
+    /// Displacement of the dashpot, m.
     pub drift: f64,
-    /// Displacement under a unit force of what follows it at once, m/N; 0: nothing.
+    /// Displacement per unit force of a spring, which follows the force without delay, m/N; 0 if there is none.
     pub compliance: f64,
-    /// Energy that the dashpot has taken, J.
+    /// Energy dissipated by the dashpot, J.
     pub radiated: f64,
-    /// Energy that the damping of the oscillators has taken, J: the work on them less what they hold.
+    /// Energy dissipated by the damping of the oscillators, J: the work done on them less their energy.
     pub damped: f64,
 }
 
-/// What a step of one length does, whatever the state.
+/// Response over a step of a given length, independent of the state.
 #[derive(Debug)]
 pub(super) struct Step {
     pub dt: f64,
-    /// Of each mode, at [`LOOKS`].
+    /// Kernels of each mode at [`LOOKS`].
     kernels: Vec<[Kernel; TERMS]>,
-    /// Approach lost at [`LOOKS`] by unit forces at [`NODES`].
+    /// Reduction of the approach at [`LOOKS`] by unit forces at [`NODES`].
     pub receptance: [Nodal; TERMS],
 }
 
 impl System {
-    /// m.
+    /// Returns the approach under a contact force, m.
     pub fn approach(&self, force: f64) -> f64 {
         -self.modes.iter().map(|m| m.shape * m.q).sum::<f64>() - self.drift - self.compliance * force
     }
 
-    /// Rate of the approach without a force, m/s.
+    /// Returns the rate of the approach without a contact force, m/s.
     pub(super) fn closing(&self) -> f64 {
         -self.modes.iter().map(|m| m.shape * m.v).sum::<f64>()
     }
 
-    /// Nothing moves the bodies together again without a force.
+    /// Whether the bodies cannot meet again in free motion.
     pub(super) fn has_separated(&self) -> bool {
         let rigid = || self.modes.iter().filter(|m| m.omega == 0.0);
         let approach = -rigid().map(|m| m.shape * m.q).sum::<f64>() - self.drift;
@@ -73,14 +73,14 @@ impl System {
                 unit[node] = 1.0;
                 *value = taylor(&unit, dt).iter().zip(&terms).map(|(f, g)| f * g).sum();
             }
-            // What follows the force at once.
+            // Displacement of the spring.
             let at: Nodal = std::array::from_fn(|node| lagrange(node, LOOKS[look]));
             row.iter_mut().zip(at).for_each(|(value, at)| *value += self.compliance * at);
         }
         Step { dt, kernels, receptance }
     }
 
-    /// The approach at [`LOOKS`] without a force.
+    /// Returns the approach at [`LOOKS`] without a force.
     pub(super) fn coasted(&self, step: &Step) -> [f64; TERMS] {
         let mut approach = [-self.drift; TERMS];
         for (mode, kernels) in self.modes.iter().zip(&step.kernels) {

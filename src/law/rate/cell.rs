@@ -1,20 +1,20 @@
-//! A rate-dependent law on the staggered grid: the response of a cell to a strain increment.
+//! Rate-dependent law on the staggered grid: the response of a cell to a strain increment.
 //!
-//! The strain rate of a step is constant, that of its middle. Up to the elastic limit the cell is elastic; from there on (or
-//! from the start, where it flows already) stress and plastic strain obey, in the sense of the flow,
+//! The strain rate is constant over a step. Up to the elastic limit the cell is elastic. From there on (or
+//! from the start, if the cell already flows) stress and plastic strain obey, in the sense of the flow,
 //!
 //! ```text
 //!   d sigma/dt = E d_eps/dt - q(x, f(p)),   dp/dt = q,   x = sigma - limit(p)
 //! ```
 //!
-//! until the step ends, or the cell has unloaded to its elastic limit; what is left is elastic, and may yield in the other
-//! sense. [`RateLaw::strained`] solves this: second order in the step; and any step ends between the static curve and the
-//! steady overstress at its own strain rate. So quick flow ends on the static curve as the rate-independent law does, and a
-//! step much longer than the relaxation time has the stress of its strain rate, not one set by its length.
+//! until the step ends, or until the cell has unloaded to its elastic limit; the remainder is elastic, and may yield in the other
+//! sense. [`RateLaw::strained`] solves this to second order in the step, and any step ends between the static curve and the
+//! steady overstress at its own strain rate. So fast relaxation ends on the static curve, as the rate-independent law does, and a
+//! step much longer than the relaxation time ends at the stress of its strain rate, which does not depend on the length of the step.
 //!
-//! The work of the overstress in a step is its mean at the ends times the plastic strain: >= 0.
+//! The work of the overstress in a step is the mean of its values at both ends times the plastic strain, >= 0.
 //!
-//! Most cells are stepped side by side, see [`super::most`] and [`super::many`]; what follows here is for the others.
+//! Most cells are advanced side by side, see [`super::most`] and [`super::many`]; the code below is for the others.
 
 use super::many::step_most;
 use super::most::Pieces;
@@ -24,7 +24,7 @@ use crate::law::{CellLaw, Deformed, Response, Steps, respond_alone};
 
 /// A rate-dependent cell in steps of one length.
 ///
-/// State: that of every law that takes time, and the back stress where `N` is 6.
+/// State: the variables of every rate-dependent law, and the back stress if `N` is 6.
 #[derive(Debug, Clone)]
 pub struct Timed<const N: usize> {
     law: RateLaw,
@@ -33,12 +33,12 @@ pub struct Timed<const N: usize> {
 }
 
 impl<const N: usize> Timed<N> {
-    /// The law in steps of `time`, s. `N` is 5, or 6 for a law with a back stress.
+    /// Builds the law for steps of `time`, s. `N` is 5, or 6 for a law with a back stress.
     pub fn new(law: RateLaw, time: f64) -> Self {
         Self { relaxation_step: law.relaxation_step(1.0, time), law, time }
     }
 
-    /// Middle of the elastic range, Pa.
+    /// Returns the middle of the elastic range, Pa.
     fn middle(_: &Self, state: [f64; N]) -> f64 {
         if N > 5 { state[5] } else { 0.0 }
     }
@@ -47,13 +47,13 @@ impl<const N: usize> Timed<N> {
         self.law.history(state[0], state[1], Self::middle(self, state))
     }
 
-    /// Stresses between which a cell is elastic, Pa.
+    /// Returns the lower and the upper stress between which a cell is elastic, Pa.
     fn limits(&self, state: [f64; N]) -> [f64; 2] {
         self.law.limits(&self.history(state))
     }
 }
 
-/// A cell within a step.
+/// State of a cell within a step.
 struct Cell<'a> {
     law: &'a RateLaw,
     relaxation_step: &'a RelaxationStep,

@@ -1,4 +1,4 @@
-//! Laws of overstress as plain formulas for many cells at once.
+//! Closed formulas of the overstress laws, for many cells at once.
 
 #![expect(
     clippy::needless_bitwise_bool,
@@ -8,46 +8,46 @@
 use super::driven::{Driven, relaxed};
 use crate::elementary::{exp, exp_m1, ln, ln_1p};
 
-/// [`super::Overstress::flow`] without a choice between operations.
+/// A closed, branch-free form of [`super::Overstress::flow`].
 pub(super) trait Closed: Copy {
-    /// The rate depends on the static stress too.
+    /// Returns true if the rate depends on the static stress too.
     fn needs_static_stress(self) -> bool;
 
-    /// What does not change while the flow is looked for, from overstress and static stress at the start, Pa.
+    /// Computes a quantity that stays constant during the iteration for the flow, from overstress and static stress at the start, Pa.
     fn at_start(self, excess: f64, f: f64) -> f64;
 
-    /// What flows, Pa, and whether the formula holds; from what [`Self::at_start`] gave, and a guess of the flow.
+    /// Returns the flow, Pa, and whether the formula is valid. `known` is the result of [`Self::at_start`], and a guess of the flow.
     fn flow(self, driven: Driven, gain: f64, f: f64, known: [f64; 2]) -> (f64, bool);
 
-    /// Overstress over which the rate changes by a factor e, see [`super::Overstress::width`].
+    /// Returns the overstress over which the rate changes by a factor e, see [`super::Overstress::width`].
     fn width(self, x: f64, f: f64) -> f64;
 }
 
-/// Largest logarithm of a part of what flows: products of such parts are numbers.
+/// Largest logarithm of a factor of the flow; products of such factors do not overflow.
 const LARGEST: f64 = 300.0;
 
-/// `(exp(a) - 1)/a`.
+/// Returns `(exp(a) - 1)/a`.
 #[inline(always)]
 fn mean_exp(a: f64) -> f64 {
     let mean = exp_m1(a) / a;
     if a.abs() < 1e-9 { 1.0 + 0.5 * a } else { mean }
 }
 
-/// `a` where it is an exponent whose power is a number, else the largest one; and whether it is.
+/// Returns `a` and true if |a| < [`LARGEST`], else [`LARGEST`] and false.
 #[inline(always)]
 fn bounded(a: f64) -> (f64, bool) {
     let is_fine = a.abs() < LARGEST;
     (if is_fine { a } else { LARGEST }, is_fine)
 }
 
-/// No more than what rises: below the rate at which it would flow on the static curve, that curve is followed.
+/// Limits the drop of the overstress to the whole excess and rise. Below the rate at which the law flows on the static curve, the curve is followed.
 #[inline(always)]
 fn to_curve(drop: f64, driven: Driven) -> f64 {
     let most = driven.excess + driven.rise;
     if (driven.rise > 0.0) & (drop > most) { most } else { drop }
 }
 
-/// See [`super::Overstress::Malvern`].
+/// Closed form of [`super::Overstress::Malvern`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Malvern {
     pub k: f64,
@@ -76,7 +76,7 @@ impl Closed for Malvern {
     }
 }
 
-/// See [`super::Overstress::JohnsonCook`].
+/// Closed form of [`super::Overstress::JohnsonCook`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JohnsonCook {
     pub c: f64,
@@ -95,7 +95,7 @@ impl Closed for JohnsonCook {
         if is_fine { exp(start) } else { f64::NAN }
     }
 
-    /// As by [`Driven::exponential`].
+    /// Uses the formula of [`Driven::exponential`].
     #[inline(always)]
     fn flow(self, driven: Driven, gain: f64, f: f64, [start, _]: [f64; 2]) -> (f64, bool) {
         let width = self.c * f;
@@ -111,16 +111,16 @@ impl Closed for JohnsonCook {
     }
 }
 
-/// A power of more than 1: [`super::Overstress::CowperSymonds`] and, with a thermal stress, [`super::Overstress::ZerilliArmstrong`].
+/// Power law with an exponent above 1: [`super::Overstress::CowperSymonds`] and, with a thermal stress, [`super::Overstress::ZerilliArmstrong`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PowerAboveOne {
     pub rate: f64,
     pub exponent: f64,
-    /// Pa.
+    /// Thermal stress X of Zerilli and Armstrong's law, Pa.
     pub thermal: Option<f64>,
 }
 
-/// A stress after a flow that is a guess, of what it is without: that of a better guess is larger.
+/// Smallest stress after a guessed flow, relative to the stress without flow. A smaller value means that the guess was too large.
 const LEAST: f64 = 1e-3;
 
 impl Closed for PowerAboveOne {
@@ -134,7 +134,7 @@ impl Closed for PowerAboveOne {
         0.0
     }
 
-    /// As by [`Driven::power`].
+    /// Uses the formula of [`Driven::power`].
     #[inline(always)]
     fn flow(self, driven: Driven, gain: f64, f: f64, [_, guess]: [f64; 2]) -> (f64, bool) {
         let (f, start) = self.thermal.map_or((f, 0.0), |thermal| (thermal, thermal));
@@ -147,7 +147,7 @@ impl Closed for PowerAboveOne {
         let (exponent, is_number) = bounded(self.exponent * ln(y / f) + fall * part);
         let grown = gain * self.rate * driven.time * part * exp(exponent) * mean_exp(a);
         let flow = to_curve(width * ln_1p(grown), driven) / gain;
-        // Far down, an exponential flows more than the power does down to its static curve.
+        // For a large drop, the exponential flows more than the power law needs to reach its static curve.
         let is_near = (driven.rise > 0.0) | ((driven.rise < 0.0) & (fall * part <= 1.0) & (fall <= y - start));
         (flow, is_fine & is_number & (end > least) & is_near & !driven.is_still(first))
     }

@@ -1,9 +1,10 @@
-//! Relaxation of an overstress over a step, for laws linear in it, a power of it, or exponential.
+//! Relaxation of an overstress over a step, for laws that are linear in it, a power of it, or exponential.
 
 use crate::elementary::{LARGEST_EXPONENT, exp_m1};
 use crate::root::{Tolerance, fixed_point};
 
-/// For a law that is linear in the overstress: what flows in a step of an overstress, and of one that rises from zero.
+/// Returns two coefficients for a law that is linear in the overstress: the flow in a step per initial overstress, and per overstress that rises from
+/// zero during the step.
 #[inline(always)]
 pub(super) fn relaxed(k: f64, gain: f64, time: f64) -> [f64; 2] {
     let z = k * gain * time;
@@ -14,47 +15,48 @@ pub(super) fn relaxed(k: f64, gain: f64, time: f64) -> [f64; 2] {
     if z < 1e-3 { [start, rise] } else { [used * part, (1.0 - used / z) * part] }
 }
 
-/// An overstress x > 0, or = 0 and rising, with what it would rise by within a time if nothing flowed: Pa, Pa, s.
+/// An overstress x > 0, or x = 0 and rising, with the rise that it would have within a time if nothing flowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driven {
-    /// At the start, Pa, >= 0.
+    /// Overstress at the start, Pa, >= 0.
     pub excess: f64,
-    /// Pa.
+    /// Rise during the step if nothing flowed, Pa.
     pub rise: f64,
-    /// s.
+    /// Duration of the step, s.
     pub time: f64,
 }
 
-/// See [`Driven::is_still`]: strains of a few per cent are rounded to some 1e-13 of an overstress.
+/// Relative rise below which a stress counts as not driven, see [`Driven::is_still`]. Strains of a few per cent are rounded to some 1e-13 of an
+/// overstress.
 const STILL: f64 = 1e-11;
 
-/// dp/dt = `rate` ((`start` + x)/`f`)^`exponent` above the static curve, x = 0.
+/// Power law dp/dt = `rate` ((`start` + x)/`f`)^`exponent` above the static curve x = 0.
 #[derive(Clone, Copy)]
 pub(super) struct Power {
     pub rate: f64,
     pub exponent: f64,
     pub f: f64,
-    /// >= 0.
+    /// Stress at x = 0, Pa, >= 0.
     pub start: f64,
 }
 
 impl Power {
-    /// At y = start + x.
+    /// Returns the rate at y = start + x.
     fn at(self, y: f64) -> f64 {
         self.rate * (y / self.f).powf(self.exponent)
     }
 }
 
 impl Driven {
-    /// By a law that is linear in x; `parts` as from [`relaxed`].
+    /// Returns the flow by a law that is linear in x; the coefficients are those of [`relaxed`].
     #[inline]
     pub(super) fn linear(self, k: f64, gain: f64, [start, rise]: [f64; 2]) -> f64 {
         let flow = self.excess * start + self.rise * rise;
-        // Differences of rounded numbers: in doubt both ways are one.
+        // The condition is a difference of rounded numbers. Where its sign is uncertain, both formulas agree.
         if self.rise >= 0.0 || self.excess + self.rise - gain * flow > 4.0 * f64::EPSILON * (self.excess - self.rise) {
             return flow;
         }
-        // It unloads to the static curve within the step.
+        // The cell unloads to the static curve within the step.
         let fall = -self.rise / (self.time * k * gain);
         let ratio = self.excess / fall;
         let used = match ratio {
@@ -65,11 +67,11 @@ impl Driven {
         used / gain
     }
 
-    /// By `gain q = quick exp(x/width)`: exp(-x/width) obeys a linear equation. As a drop of x.
+    /// Returns the drop of x by the law `gain q = quick exp(x/width)`, for which exp(-x/width) obeys a linear equation.
     pub(super) fn exponential(self, quick: f64, width: f64) -> f64 {
         let flow = exponential_drop(width, quick * self.time / width, self.excess / width, self.rise / width);
         if self.rise > 0.0 {
-            // Below the rate at which it would flow on the static curve, that curve is followed.
+            // Below the rate at which the law flows on the static curve, the curve is followed.
             return flow.min(self.excess + self.rise);
         }
         let fall = -self.rise / self.time;
@@ -77,14 +79,14 @@ impl Driven {
         if to_curve >= 0.0 { flow.min(to_curve) } else { flow.min(self.excess) }
     }
 
-    /// The stress is driven by no more than the rounding of strains; `first` is the stress of which a power flows, Pa. What flows is then the
-    /// closed solution without a drive, from which those with one differ by their error: rounding must not decide between the two.
+    /// Returns true if the stress changes by no more than the rounding of strains; `first` is the stress of the power law, Pa. The flow is then the
+    /// closed solution without loading. The solutions with loading differ from it by their error, and rounding must not decide between the two.
     #[inline(always)]
     pub(super) fn is_still(self, first: f64) -> bool {
         self.rise.abs() <= STILL * first
     }
 
-    /// By a power of y = start + x, as a drop of x.
+    /// Returns the drop of x by a power of y = start + x.
     pub(super) fn power(self, law: Power, gain: f64) -> f64 {
         let Self { excess, rise, time } = self;
         let first = law.start + excess;
@@ -114,18 +116,18 @@ impl Driven {
             first + rise - drop
         };
         let end = fixed_point(guess, bounds, Tolerance::of_differences(first + rise.abs()), answer);
-        // Where that is below the static curve, y < start, the curve is followed: all of it flows.
+        // If the end is below the static curve, y < start, the curve is followed: the whole overstress is used up.
         (first + rise - end).clamp(0.0, most)
     }
 
-    /// Drop by a power of y while nothing drives it: y^(1-q) = y0^(1-q) + (q - 1) gain D f^-q t.
+    /// Returns the drop by a power of y without loading: y^(1-q) = y0^(1-q) + (q - 1) gain D f^-q t.
     fn free(self, law: Power, gain: f64) -> f64 {
         let (first, power) = (law.start + self.excess, law.exponent - 1.0);
         if power == 0.0 {
             return -first * (-gain * law.rate / law.f * self.time).exp_m1();
         }
         let grown = power * gain * law.rate / law.f * (first / law.f).powf(power) * self.time;
-        // Below q = 1 the overstress is used up within a finite time.
+        // For q < 1 the overstress is used up within a finite time.
         if self.excess <= 0.0 || grown.is_nan() || grown <= -1.0 {
             self.excess
         } else {
@@ -133,8 +135,8 @@ impl Driven {
         }
     }
 
-    /// Drop by flow, by a power of y, until unloading has come to the static curve: integral of gain q/(gain q + fall) over
-    /// x, by the quadrature of Gauss.
+    /// Returns the drop due to flow, by a power of y, until unloading reaches the static curve: the integral of gain q/(gain q + fall) over
+    /// x, by Gauss quadrature.
     fn to_curve(self, law: Power, gain: f64) -> f64 {
         let fall = -self.rise / self.time;
         let part = |at: f64| {
@@ -146,7 +148,7 @@ impl Driven {
     }
 }
 
-/// Nodes and weights of the 8-point rule on -1..1, one of each pair.
+/// Nodes and weights of the 8-point Gauss rule on -1..1; one of each symmetric pair.
 const GAUSS: [[f64; 2]; 4] = [
     [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_3],
@@ -154,8 +156,8 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.960_289_856_497_536_3, 0.101_228_536_290_376_26],
 ];
 
-/// `width ln(1 + quick exp(start) (exp(a) - 1)/a)`: drop of x by a rate that grows as exp(x/width) and would take `quick`
-/// widths in the step at x = 0, from `start` widths on, while x is driven up by `a` widths.
+/// Returns `width ln(1 + quick exp(start) (exp(a) - 1)/a)`: the drop of x for a rate that grows as exp(x/width) and amounts to `quick`
+/// widths in the step at x = 0. x starts at `start` widths, and the loading raises it by `a` widths.
 fn exponential_drop(width: f64, quick: f64, start: f64, a: f64) -> f64 {
     let (start, a) = (start.min(LARGEST), a.clamp(-LARGEST, LARGEST));
     if start + a.max(0.0) < 600.0 && start > -600.0 {
@@ -174,14 +176,14 @@ fn exponential_drop(width: f64, quick: f64, start: f64, a: f64) -> f64 {
     width * if log > 40.0 { log } else { log.exp().ln_1p() }
 }
 
-/// Stands for a quotient beyond numbers.
+/// Replacement for quotients that overflow.
 const LARGEST: f64 = 1e300;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Under a prescribed stress beyond a level curve nothing relaxes.
+    /// Under a prescribed stress above a level curve the overstress does not relax.
     #[test]
     fn an_overstress_that_flow_does_not_reduce_flows_at_a_constant_rate() {
         for gain in [0.0, 1e-300, 1e-20] {

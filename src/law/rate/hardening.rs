@@ -1,28 +1,28 @@
-//! The static flow stress against plastic strain, from the loading curve.
+//! Static flow stress as a function of plastic strain, derived from the loading curve.
 
 use crate::law::{PieceIndex, Table};
 
-/// A straight piece: `f = stress + slope (p - start)` from `start` on, p being E times the plastic strain, Pa.
+/// A linear piece: `f = stress + slope (p - start)` for p >= `start`, where p is E times the plastic strain, Pa.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
-    /// p from which it holds, Pa.
+    /// p at which the piece starts, Pa.
     pub start: f64,
-    /// f there, Pa.
+    /// f at the start, Pa.
     pub stress: f64,
     /// df/dp, >= 0.
     pub slope: f64,
 }
 
 impl Piece {
-    /// The static flow stress, Pa.
+    /// Returns the static flow stress at p, Pa.
     #[inline(always)]
     pub fn at(&self, p: f64) -> f64 {
         self.stress + self.slope * (p - self.start)
     }
 }
 
-/// The static flow stress of one loading table. Stress never falls with plastic strain; where the table rises as
-/// steeply as the elastic line, it jumps.
+/// Static flow stress of one loading table. The stress never falls with plastic strain; where the table is parallel to
+/// the elastic line, it jumps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hardening {
     pieces: Vec<Piece>,
@@ -32,13 +32,13 @@ pub struct Hardening {
 }
 
 impl Hardening {
-    /// From a loading table. A point of a line `y = A + B z` (z = E eps = y + p) has `f = (A + B p)/(1 - B)`.
+    /// Builds the pieces from a loading table. A point of a line `y = A + B z` (z = E eps = y + p) has `f = (A + B p)/(1 - B)`.
     pub fn new(table: &Table) -> Self {
         let mut pieces: Vec<Piece> = Vec::new();
         for line in table.lines().iter().filter(|line| line.slope < 1.0) {
             let stress = line.offset + line.slope * line.start;
             let before = pieces.last().map_or(0.0, |piece| piece.start);
-            // Plastic strain starts at zero where the table leaves the elastic line, whatever the rounding there.
+            // Set to zero where the table leaves the elastic line, whatever the rounding there.
             let start = if pieces.is_empty() { 0.0 } else { (line.start - stress).max(before) };
             pieces.push(Piece { start, stress, slope: line.slope / (1.0 - line.slope) });
         }
@@ -50,23 +50,23 @@ impl Hardening {
         Self { index: PieceIndex::new(&starts), pieces, yield_stress }
     }
 
-    /// The pieces in order; at least one. Where the table never leaves the elastic line: one of infinite stress.
+    /// Returns the pieces in order; at least one. If the table never leaves the elastic line, it is one piece of infinite stress.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
 
-    /// Elastic limit of first loading, Pa; infinite where there is none.
+    /// Returns the elastic limit of first loading, Pa; infinite if there is none.
     pub fn yield_stress(&self) -> f64 {
         self.yield_stress
     }
 
-    /// Where piece `k` ends, Pa.
+    /// Returns p at the end of piece `k`, Pa.
     #[inline(always)]
     pub fn end(&self, k: usize) -> f64 {
         self.pieces.get(k + 1).map_or(f64::INFINITY, |next| next.start)
     }
 
-    /// Index of the piece at p, found from nothing.
+    /// Returns the index of the piece at p, without a starting point for the search.
     #[inline(always)]
     pub fn find(&self, p: f64) -> u32 {
         if let Some(index) = &self.index {
@@ -76,7 +76,7 @@ impl Hardening {
         after.saturating_sub(1) as u32
     }
 
-    /// Index of the piece at p; `from` is one at or before it.
+    /// Returns the index of the piece at p; `from` is the index of a piece at or before it.
     #[inline]
     pub fn piece_at(&self, p: f64, from: u32) -> u32 {
         let mut k = from as usize;
@@ -87,23 +87,23 @@ impl Hardening {
     }
 }
 
-/// The static curves of tension and compression: one twice where they are alike.
+/// Static curves of tension and compression; both refer to the same curve if they are alike.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sides<'a>(pub [&'a Hardening; 2]);
 
-/// Where some cells are on the static curve of the sense of their stress.
+/// Positions of cells on the static curve of the sense of their stress.
 pub(super) struct Located<const W: usize> {
-    /// 0 tension, 1 compression.
+    /// Sense of the stress: 0 tension, 1 compression.
     pub side: [u32; W],
-    /// The piece.
+    /// Index of the piece.
     pub piece: [u32; W],
     /// Static flow stress, Pa.
     pub stress: [f64; W],
     /// df/dp.
     pub slope: [f64; W],
-    /// E times the plastic strain at which the piece ends, Pa.
+    /// E times the plastic strain at the end of the piece, Pa.
     pub end: [f64; W],
-    /// Static flow stress in the other sense, Pa; anything where the cell would not go to there elastically.
+    /// Static flow stress in the other sense, Pa; undefined if the elastic step does not change the sign of the stress.
     pub across: [f64; W],
 }
 
@@ -113,7 +113,7 @@ impl Sides<'_> {
         std::ptr::eq(self.0[0], self.0[1])
     }
 
-    /// The piece that both consist of, if it is one.
+    /// Returns the common piece of both curves, if they are alike and consist of one piece.
     #[inline(always)]
     pub fn single(self) -> Option<Piece> {
         match self.0[0].pieces() {
@@ -122,7 +122,7 @@ impl Sides<'_> {
         }
     }
 
-    /// Cells of these stresses, with these after an elastic step (Pa), and E times accumulated plastic strains.
+    /// Locates cells from their stresses, elastic predictors (Pa), and E times their accumulated plastic strains (Pa).
     #[inline(always)]
     pub fn locate<const W: usize>(self, sigma: &[f64; W], predictor: &[f64; W], p: &[f64; W]) -> Located<W> {
         let (zeros, none) = ([0.0; W], [0; W]);
@@ -166,7 +166,7 @@ mod tests {
         let table = Table::new(&Curve::new(&rows, Beyond::Rupture).expect("rows rise"), modulus);
         let hardening = Hardening::new(&table);
         assert_eq!(hardening.yield_stress(), 200e6);
-        // The fourth row rises with the elastic slope: a jump of 100 MPa at one plastic strain.
+        // The fourth row rises with the elastic slope: a jump of 100 MPa at constant plastic strain.
         let jump = &hardening.pieces()[1..3];
         assert!((jump[0].at(jump[1].start) - 300e6).abs() < 1.0 && (jump[1].stress - 400e6).abs() < 1.0);
         let on_first_loading =

@@ -1,9 +1,9 @@
-//! A step of many cells at once, by laws whose flow is found by iteration: those cells that are elastic in it, or flow all the step long in
+//! Advances many cells at once by laws whose flow is found by iteration: cells that are elastic in a step, or flow during the whole step in
 //! one sense along one piece of the static curve, which may move with a back stress.
 //!
-//! As [`super::Timed`] and [`super::Heated`] have it, the flow and the temperature at its end are those to which the elastic limit goes, straight,
-//! within the step. Secants lead to both, for all cells side by side and without a choice between operations; a cell that is
-//! there stays as it is. So its bits do not depend on its neighbours, nor on how many cells are stepped at once.
+//! As in [`super::Timed`] and [`super::Heated`], the elastic limit changes linearly within the step, to the limit at the flow and the temperature
+//! at its end. Both are found by the secant method, for all cells side by side and without branches; a cell that has
+//! converged is not changed any more. So its bits depend neither on its neighbours nor on how many cells are advanced at once.
 
 #![expect(
     clippy::needless_bitwise_bool,
@@ -18,27 +18,27 @@ use crate::elementary::{exp, ln};
 use crate::law::Steps;
 use crate::root::Tolerance;
 
-/// Most times that a flow is worked out: quick convergence takes four. What takes longer is left to [`crate::root::fixed_point`].
+/// Largest number of iterations for the flow; usual convergence takes four. Slower cells are left to [`crate::root::fixed_point`].
 const SWEEPS: usize = 8;
 
-/// A temperature that changes by less than this part of the range to melting is found: the next one would differ by rounding.
+/// Change of temperature, relative to the range to melting, that counts as converged: the next iterate would differ by rounding.
 pub(super) const FOUND: f64 = 1e-13;
 
-/// What is left of the strength of metal that melts: nothing that counts, and no division by zero.
+/// Remaining strength of molten metal, relative to the cold one: negligible, but avoids division by zero.
 pub(super) const MOLTEN: f64 = 1e-9;
 
-/// Temperature rise by plastic work, and thermal softening.
+/// Temperature rise due to plastic work, and thermal softening.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TemperatureRise {
-    /// Rise by E times plastic work, K/Pa^2.
+    /// Temperature rise per E times plastic work, K/Pa^2.
     pub rise: f64,
-    /// From the reference temperature to melting, K.
+    /// Range from the reference temperature to melting, K.
     pub range: f64,
     pub exponent: f64,
 }
 
 impl TemperatureRise {
-    /// Factors of the static stresses at rises in temperature.
+    /// Computes the factors of the static stresses at the given temperature rises.
     #[inline(always)]
     fn softening<const W: usize>(self, rise: &[f64; W], softening: &mut [f64; W]) {
         let part = self.range.recip();
@@ -57,7 +57,7 @@ impl TemperatureRise {
         }
     }
 
-    /// The temperatures after flows, from the ones before, of some cells.
+    /// Updates the temperatures after the flows, for the cells with nonzero `of`, from the previous iterates.
     #[inline(always)]
     fn heat<const W: usize>(self, start: &Start<W>, found: &mut Found<W>, of: &[u64; W]) {
         let mut softening = [0.0; W];
@@ -80,65 +80,65 @@ impl TemperatureRise {
     }
 }
 
-/// A share of the range to melting that softens nothing.
+/// Share of the range to melting below which there is no softening.
 const LEAST: f64 = 1e-40;
 
-/// Cells as a step finds them.
+/// State of the cells at the start of a step.
 struct Start<const W: usize> {
     sign: [f64; W],
-    /// Stress beyond the elastic limit, Pa, and what it rises by if nothing flows.
+    /// Stress beyond the elastic limit, and its rise if nothing flows; Pa.
     excess: [f64; W],
     rise: [f64; W],
-    /// The cold elastic limit in the sense of the stress, by how much it is beside the static stress of first loading, half the elastic range and
-    /// what that grows by with the flow, and the limit in the other sense; Pa.
+    /// Elastic limit on the cold curve in the sense of the stress (`cold`), its difference from the static stress of first loading (`beside`), half
+    /// the elastic range (`half`) and its derivative with respect to the flow (`widens`), and the limit in the other sense (`across`); Pa.
     cold: [f64; W],
     beside: [f64; W],
     half: [f64; W],
     widens: [f64; W],
     across: [f64; W],
     back: [f64; W],
-    /// Slope of the cold curve, and E times the plastic strain at which the piece ends.
+    /// Slope of the cold curve, and E times the plastic strain at the end of the piece.
     slope: [f64; W],
     end: [f64; W],
-    /// Rise in temperature, K, and factor of the cold curve.
+    /// Temperature rise, K, and softening factor of the cold curve.
     temperature_rise: [f64; W],
     softening: [f64; W],
-    /// What the law of overstress knows at the start.
+    /// Result of [`Closed::at_start`].
     of_law: [f64; W],
 }
 
 impl<const W: usize> Start<W> {
-    /// Elastic limit in the sense of the stress, static stress of first loading, and half the elastic range of a cell, Pa.
+    /// Returns the elastic limit in the sense of the stress, the static stress of first loading, and half the elastic range of cell `i`, Pa.
     #[inline(always)]
     fn stresses(&self, i: usize) -> [f64; 3] {
         [self.cold[i], self.cold[i] - self.beside[i], self.half[i]].map(|cold| self.softening[i] * cold)
     }
 }
 
-/// Where a sweep has brought them.
+/// Iterates of the flows and temperatures.
 struct Found<const W: usize> {
     flow: [f64; W],
-    /// The flow tried before, and by how much its answer was off.
+    /// Previously tried flow, and the error of its result.
     before: [f64; W],
     off: [f64; W],
     temperature_rise: [f64; W],
     softening: [f64; W],
-    /// 1 where a flow is looked for and not found.
+    /// 1 for cells whose flow has not converged yet, else 0.
     sought: [u64; W],
 }
 
-/// A law of overstress in steps of `time`, s.
+/// An overstress law in steps of `time`, s.
 #[derive(Debug, Clone, Copy)]
 struct Many<'a, L> {
     law: L,
     curves: Sides<'a>,
-    /// As [`super::RateLaw::moving`] gives them.
+    /// Result of [`super::RateLaw::moving`].
     moving: [f64; 2],
     time: f64,
     heating: Option<TemperatureRise>,
 }
 
-/// Steps the cells of a law of which there is a plain formula, see [`Many::step`]; no others.
+/// Advances the cells if the law has a closed formula, see [`Many::step`]; otherwise does nothing.
 #[inline(always)]
 pub(super) fn step_most<const N: usize, const W: usize>(
     law: &RateLaw,
@@ -160,7 +160,7 @@ pub(super) fn step_most<const N: usize, const W: usize>(
             let law = PowerAboveOne { rate, exponent, thermal: None };
             Many { law, curves, moving, time, heating }.step(cells, state, after);
         }
-        // Its rate depends on the temperature itself, too.
+        // With heating, its rate depends on the temperature too.
         Overstress::ZerilliArmstrong { stress, sensitivity, rate, .. } if sensitivity < 1.0 && heating.is_none() => {
             let law = PowerAboveOne { rate, exponent: sensitivity.recip(), thermal: Some(stress) };
             Many { law, curves, moving, time, heating }.step(cells, state, after);
@@ -170,7 +170,8 @@ pub(super) fn step_most<const N: usize, const W: usize>(
 }
 
 impl<L: Closed> Many<'_, L> {
-    /// Steps the cells from their stresses and states to the stresses that they would have elastically; `after.known` tells which of them are done.
+    /// Advances cells from stresses `sigma` and states `state`, given their elastic predictors. Sets `after.known` to 1 for the cells whose result is
+    /// valid.
     #[inline(always)]
     fn step<const N: usize, const W: usize>(
         &self,
@@ -190,7 +191,7 @@ impl<L: Closed> Many<'_, L> {
         for i in 0..W {
             let [limit, f, half] = start.stresses(i);
             let stress = limit + start.excess[i];
-            // What flowed in the step before.
+            // The starting value is the flow of the previous step.
             found.flow[i] = state[2][i] * self.law.width(start.excess[i], f);
             found.sought[i] = u64::from(start.excess[i] > rounding(stress, [-half, half], start.back[i]));
         }
@@ -233,7 +234,7 @@ impl<L: Closed> Many<'_, L> {
         }
     }
 
-    /// The state has a back stress, at its end.
+    /// Returns true if the state has a back stress, as its last variable.
     #[inline(always)]
     fn moves<const N: usize>(&self) -> bool {
         N > 5 + usize::from(self.heating.is_some())
@@ -290,7 +291,7 @@ impl<L: Closed> Many<'_, L> {
         start
     }
 
-    /// Works out flows and temperatures from the ones before.
+    /// Computes the next iterates of flows and temperatures.
     #[inline(always)]
     fn sweep<const W: usize>(&self, start: &Start<W>, found: &mut Found<W>) {
         let rise_before = found.temperature_rise;
@@ -303,7 +304,7 @@ impl<L: Closed> Many<'_, L> {
             let (excess, rise, flow) = (start.excess[i], start.rise[i], found.flow[i]);
             let (cold, slope, temperature_rise) = (start.cold[i], start.slope[i], found.temperature_rise[i]);
             let [g, g_end] = [start.softening[i], found.softening[i]];
-            // Rise of the elastic limit over the flow, and of the static stress.
+            // Mean slopes, over the flow, of the elastic limit and of the static stress.
             let rises = |cold: f64| g_end * slope + if flow > 0.0 { (g_end - g) * cold / flow } else { 0.0 };
             let static_stress = cold - start.beside[i];
             let (f, f_end) = (g * static_stress, g_end * (static_stress + slope * flow));
@@ -321,7 +322,7 @@ impl<L: Closed> Many<'_, L> {
             let off = answer - flow;
             let secant = flow - off * (flow - found.before[i]) / (off - found.off[i]);
             let next = if (secant > 0.0) & (secant < excess + rise.abs() + f) { secant } else { answer };
-            // How far the answer is from the flow that answers itself.
+            // Distance of the result from the fixed point.
             let error = if next == secant { answer - next } else { off };
             let tolerance = Tolerance::of_differences(excess + rise.abs()).at(flow);
             let is_there = holds
@@ -343,7 +344,7 @@ pub(crate) mod tests {
 
     const MODULUS: f64 = 200e9;
 
-    /// One of each form.
+    /// One law of each form.
     pub const LAWS: [Overstress; 4] = [
         Overstress::Malvern { k: 1e6 },
         Overstress::JohnsonCook { c: 0.02, rate: MODULUS },
@@ -361,7 +362,7 @@ pub(crate) mod tests {
         Curve::new(&rows, Beyond::Extend).expect("rows rise")
     }
 
-    /// Of steel.
+    /// Heating constants of steel.
     pub fn heating(exponent: f64) -> Heating {
         let mut steel =
             Material { modulus: MODULUS, ..Material::from_curve("steel", 7800.0, curve()).expect("a material") };
@@ -371,7 +372,7 @@ pub(crate) mod tests {
         *steel.heated(Some(0.9)).expect("all constants are there").heating.expect("it heats")
     }
 
-    /// Loads and unloads a cell. What is known of most cells is what a search of its own finds.
+    /// Loads and unloads a cell, and compares the results for most cells with those of the search for a single cell.
     fn assert_found<L: CellLaw<N>, const N: usize>(law: &L, what: &str) {
         let moves = N > 5 + usize::from(!law.temperature([0.0; N]).is_nan());
         let (mut sigma, mut state, mut known) = (0.0, [0.0; N], 0);

@@ -1,25 +1,25 @@
-//! Rate-dependent plastic flow: plastic strain rate as a function of the overstress over the static curve.
+//! Rate-dependent plastic flow: plastic strain rate as a function of the overstress above the static curve.
 //!
 //! `E d eps_p/dt = q(x, f)` with the overstress `x = |sigma - a| - r > 0`; no flow where x <= 0. Here f(p) is the static
-//! flow stress at the accumulated plastic strain (the loading table), `h = f - sigma_y` its hardening, and with kinematic
-//! fraction b: `r = sigma_y + (1 - b) h` half the elastic range, `da = b dh` in the sense of the flow the back stress. So
+//! flow stress at the accumulated plastic strain (the loading table), `h = f - sigma_y` its hardening, and b the kinematic
+//! fraction: `r = sigma_y + (1 - b) h` is half the elastic range, and the back stress a changes by `da = b dh` in the sense of the flow. So
 //! on first loading x = |sigma| - f whatever b is. Between the elastic limits nothing flows: unloading is elastic.
 //! The functions q are those of [`Overstress`].
 //!
-//! While a cell flows, its stress falls by a fixed share of its plastic flow p (what is around it decides which one: 1 in a
-//! cell of given strain), and what drives it raises its stress at the constant rate of the step:
+//! While a cell flows, its stress falls by a fixed share of its plastic flow p (the share depends on the surroundings: 1 in a
+//! cell of given strain), and the loading raises its stress at a rate that is constant over the step:
 //!
 //! ```text
 //!   dx/dt = rise/time - (share + df/dp) q(x, f)
 //! ```
 //!
-//! [`RateLaw::strained`] solves this over a step with the static curve straight from its start to its end ([`Overstress::flow`]
-//! along that line); both ends are on the curve, knots and all. Second order in the step where it resolves the relaxation. A
-//! step that is long against the relaxation time ends at the overstress of its own rate of flow, and without a drive on the
-//! static curve. Any step is stable, and takes work. [`RateLaw::flow`] is the flow of a node of characteristics.
+//! [`RateLaw::strained`] solves this over a step with the static curve straight between the start and the end of the step ([`Overstress::flow`]
+//! along that line); both ends are on the curve, knots included. It is of second order in the step where the step resolves the relaxation. A
+//! step that is long compared with the relaxation time ends at the overstress of its own rate of flow, or without loading on the
+//! static curve. Any step is stable and dissipative. [`RateLaw::flow`] computes the flow of a node of characteristics.
 //!
-//! Limits: a jump of stress that meets a cell which flows already is taken as a ramp over the step, exact for Malvern's law;
-//! by the others what flows in that step is off by a part that does not fall with the step.
+//! Limits: a stress jump that meets a cell which already flows is treated as a ramp over the step. This is exact for Malvern's law;
+//! for the other laws, the flow in that step has an error whose relative size does not decrease with the step.
 //!
 //! References: V. V. Sokolovsky 1948 (Prikl. Mat. Mekh. 12, 261); L. E. Malvern 1951 (J. Appl. Mech. 18, 203);
 //! N. Cristescu 1967 (Dynamic Plasticity, North-Holland).
@@ -51,7 +51,7 @@ use serde::{Deserialize, Serialize};
 use super::{Deformed, Table};
 use crate::root::{Tolerance, fixed_point};
 
-/// A share of the flow that bounds it.
+/// Smallest share used in the bound of the flow; also the smallest static stress at the start of a flow, relative to that at its end.
 const LEAST_SHARE: f64 = 1e-12;
 
 /// Plastic history of a cell.
@@ -63,25 +63,25 @@ pub struct History {
     pub signed: f64,
     /// Back stress, Pa.
     pub back: f64,
-    /// Pieces of the static curves (tension, compression) reached so far.
+    /// Indices of the pieces of the static curves (tension, compression) reached so far.
     piece: [u32; 2],
 }
 
-/// What a cell did in a step.
+/// Plastic flow of a cell or node in a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Flow {
     /// E times the signed plastic strain of the step, Pa.
     pub plastic: f64,
-    /// Of it, what comes before the moment at which a node is read.
+    /// Part of it that precedes the instant at which the node is evaluated, Pa.
     pub before: f64,
     /// E times the work of the overstress, per volume, Pa^2, >= 0.
     pub overstress: f64,
-    /// E times the energy that the net takes, per volume, Pa^2, >= 0.
+    /// E times the energy dissipated by the scheme, per volume, Pa^2, >= 0.
     pub numerical: f64,
 }
 
 impl Flow {
-    /// Half-way between two that one node could have.
+    /// Returns the mean of two flows that one node could have.
     #[must_use]
     pub fn mean(&self, other: &Self) -> Self {
         let half = |a: f64, b: f64| 0.5 * (a + b);
@@ -94,28 +94,28 @@ impl Flow {
     }
 }
 
-/// Steps of one length under one share, with what can be worked out beforehand.
+/// A step of fixed length and share, with precomputed coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelaxationStep {
     share: f64,
     time: f64,
-    /// For laws that are linear in the overstress: what flows in a step along each piece.
+    /// For laws that are linear in the overstress: the result of [`relaxed`] for each piece of the static curves.
     parts: [Vec<[f64; 2]>; 2],
 }
 
-/// How the static curve goes on while a cell flows, and the law above it.
+/// Overstress law, and the change of the static curve over a flow.
 #[derive(Debug, Clone, Copy)]
 struct Course {
     law: Overstress,
-    /// Rise of the elastic limit, Pa.
+    /// Rise of the elastic limit over the flow, Pa.
     limit: f64,
-    /// Static flow stress of first loading before and after, Pa.
+    /// Static flow stress of first loading before and after the flow, Pa.
     flow_stress: [f64; 2],
 }
 
 impl Course {
-    /// What flows if the static curve goes on as it does along a flow of `flow` > 0: it is taken as straight between the
-    /// ends, and a law that asks for the static stress is one of x/f, whose end then is at the end's f.
+    /// Returns the flow if the static curve changes as it does along a flow of `flow` > 0. The curve is taken as straight between the
+    /// ends. A law that needs the static stress is a function of x/f, evaluated at the end with the f of the end.
     fn answer(&self, driven: Driven, share: f64, flow: f64) -> f64 {
         let Driven { excess, rise, time } = driven;
         if flow <= 0.0 {
@@ -128,7 +128,7 @@ impl Course {
         }
         // With u = x/f: f du = rise - (gain + u df/dp) dp.
         let left = (excess + rise - share * flow - self.limit).max(0.0);
-        // A curve that leaves the elastic line at the origin starts at f = 0.
+        // The static stress starts at f = 0 if the curve leaves the elastic line at the origin.
         let over = |x: f64, f: f64| x / f.max(LEAST_SHARE * end);
         let mean = 0.5 * (over(excess, start) + over(left, end));
         let driven = Driven { excess: over(excess, start) * f, rise, time };
@@ -136,28 +136,28 @@ impl Course {
     }
 }
 
-/// A rate-dependent law over a static curve.
+/// A rate-dependent law above a static curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RateLaw {
     overstress: Overstress,
-    /// Tension, and compression where it has a curve of its own.
+    /// Static curve in tension, and in compression if it has a curve of its own.
     hardening: Vec<Hardening>,
     kinematic: f64,
 }
 
 impl RateLaw {
-    /// From the loading tables; `compression` only where it differs, and then `kinematic` (0 to 1) must be 0.
+    /// Builds the law from the loading tables. `compression` is given only if it differs; `kinematic` (0 to 1) must then be 0.
     pub fn new(overstress: Overstress, tension: &Table, compression: Option<&Table>, kinematic: f64) -> Self {
         let hardening = std::iter::once(tension).chain(compression).map(Hardening::new).collect();
         Self { overstress, hardening, kinematic }
     }
 
-    /// Static curve for a sense: 0 tension, 1 compression.
+    /// Returns the static curve for a sense: 0 tension, 1 compression.
     fn side(&self, sense: usize) -> &Hardening {
         &self.hardening[sense.min(self.hardening.len() - 1)]
     }
 
-    /// A history from E times the accumulated and the signed plastic strain and the back stress, Pa.
+    /// Builds a history from E times the accumulated and the signed plastic strain, and the back stress, Pa.
     #[inline]
     pub fn history(&self, accumulated: f64, signed: f64, back: f64) -> History {
         let first = self.side(0).find(accumulated);
@@ -165,7 +165,7 @@ impl RateLaw {
         History { accumulated, signed, back, piece: [first, second] }
     }
 
-    /// The history after slow loading and unloading; a back stress is that of first loading.
+    /// Returns the history after slow loading and unloading. A back stress is that of first loading.
     pub fn deformed(&self, deformed: &Deformed) -> History {
         let Deformed { plastic, accumulated, .. } = *deformed;
         let mut history = History::default();
@@ -176,7 +176,7 @@ impl RateLaw {
         history
     }
 
-    /// Stresses between which a cell is elastic, Pa: lower and upper.
+    /// Returns the lower and the upper stress between which a cell is elastic, Pa.
     #[inline]
     pub fn limits(&self, history: &History) -> [f64; 2] {
         let reach = |sense: usize| -> f64 {
@@ -189,17 +189,18 @@ impl RateLaw {
         [history.back - down, history.back + up]
     }
 
-    /// Static flow stress of first loading at a cell's plastic strain, Pa: 0 tension, 1 compression.
+    /// Returns the static flow stress of first loading at a cell's plastic strain, Pa; sense 0 tension, 1 compression.
     pub fn static_stress(&self, history: &History, sense: usize) -> f64 {
         self.side(sense).pieces()[history.piece[sense] as usize].at(history.accumulated)
     }
 
-    /// d f/dp of that.
+    /// Returns the slope d f/dp of [`Self::static_stress`].
     fn slope(&self, history: &History, sense: usize) -> f64 {
         self.side(sense).pieces()[history.piece[sense] as usize].slope
     }
 
-    /// Elastic limit that a cell can come to by flow in one sense (0 tension, 1 compression), Pa: infinite unless the static curve ends level.
+    /// Returns the largest elastic limit that a cell can reach by flow in one sense (0 tension, 1 compression), Pa: infinite unless the static curve
+    /// ends with slope 0.
     pub fn largest_limit(&self, sense: usize, history: &History) -> f64 {
         let back = if sense == 0 { history.back } else { -history.back };
         let known = self.kinematic * (self.static_stress(history, sense) - self.side(sense).yield_stress());
@@ -209,25 +210,26 @@ impl RateLaw {
         }
     }
 
-    /// The law of overstress.
+    /// Returns the overstress law.
     pub fn overstress(&self) -> Overstress {
         self.overstress
     }
 
-    /// The static curves of tension and compression.
+    /// Returns the static curves of tension and compression.
     #[inline(always)]
     fn curves(&self) -> Sides<'_> {
         Sides([self.side(0), self.side(1)])
     }
 
-    /// Kinematic part of the hardening, and the elastic limit of first loading, Pa: 0 where there is no such part or no such limit.
+    /// Returns the kinematic fraction of the hardening, and the elastic limit of first loading, Pa; both 0 if the fraction is 0 or the limit
+    /// infinite.
     #[inline(always)]
     fn moving(&self) -> [f64; 2] {
         let yield_stress = self.side(0).yield_stress();
         if self.kinematic > 0.0 && yield_stress.is_finite() { [self.kinematic, yield_stress] } else { [0.0; 2] }
     }
 
-    /// Steps of length `time` in which the stress falls by `share` of what flows.
+    /// Prepares steps of length `time` in which the stress falls by `share` of the flow.
     pub fn relaxation_step(&self, share: f64, time: f64) -> RelaxationStep {
         let parts = [0, 1].map(|sense| match self.overstress {
             Overstress::Malvern { k } => {
@@ -238,14 +240,14 @@ impl RateLaw {
         RelaxationStep { share, time, parts }
     }
 
-    /// Flow of a cell at the upper (`sense` 0) or lower (1) elastic limit or `driven.excess` beyond it, whose stress goes on
-    /// by `driven.rise` in that sense and falls by `share` (>= 0) of what flows: E times plastic strain, Pa, >= 0.
+    /// Returns the flow of a cell at the upper (`sense` 0) or lower (1) elastic limit or `driven.excess` beyond it, whose stress changes
+    /// by `driven.rise` in that sense and falls by `share` (>= 0) of the flow: E times plastic strain, Pa, >= 0.
     #[inline]
     pub fn strained(&self, driven: Driven, share: f64, sense: usize, history: &History) -> f64 {
         self.strained_by_part(driven, share, None, sense, history)
     }
 
-    /// [`Self::strained`] in a whole step made by [`Self::relaxation_step`].
+    /// Computes [`Self::strained`] for a whole step prepared by [`Self::relaxation_step`].
     #[inline]
     pub fn strained_at(
         &self,
@@ -273,7 +275,7 @@ impl RateLaw {
         sense: usize,
         history: &History,
     ) -> f64 {
-        // Not a number, or nothing to do.
+        // Also catches NaN.
         if !(driven.time > 0.0 && driven.excess + driven.rise.max(0.0) > 0.0) {
             return 0.0;
         }
@@ -289,8 +291,8 @@ impl RateLaw {
         let size = driven.excess + driven.rise.abs();
         let most = size / share.max(LEAST_SHARE);
         let tolerance = Tolerance::of_differences(size);
-        // A law that asks for the static stress at the end of the flow may flow less than it would at that of the start: not to the end of
-        // the piece.
+        // If the law needs the static stress, hardening may reduce the flow from that at the stress of the start, so that it does not reach the end
+        // of the piece.
         let by_static_stress = law.needs_static_stress();
         if flow >= room || (by_static_stress && piece.slope > 0.0) {
             let answer = |flow: f64| {
@@ -304,13 +306,13 @@ impl RateLaw {
         flow
     }
 
-    /// Takes a history on by a flow (>= 0) in a sense.
+    /// Advances a history by a flow (>= 0) in a sense.
     #[inline]
     fn advance(&self, flow: f64, sense: usize, history: &mut History) {
         self.arrive(history.accumulated + flow, flow, sense, history);
     }
 
-    /// Takes a history to the accumulated `p` by a flow in a sense: the two differ by no more than rounding.
+    /// Advances a history by a flow in a sense to the accumulated plastic strain `p` (times E, Pa), which must agree with the flow up to rounding.
     #[inline]
     fn arrive(&self, p: f64, flow: f64, sense: usize, history: &mut History) {
         let before = self.static_stress(history, sense);
@@ -327,7 +329,7 @@ impl RateLaw {
         }
     }
 
-    /// E times the work that the static flow stress of first loading does between two histories, per volume, Pa^2.
+    /// Returns E times the work that the static flow stress of first loading does between two histories, per volume, Pa^2.
     fn first_loading(&self, sense: usize, before: &History, after: &History) -> f64 {
         let pieces = self.side(sense).pieces();
         let (mut from, mut work) = (before.accumulated, 0.0);
@@ -340,7 +342,7 @@ impl RateLaw {
         work
     }
 
-    /// The history half-way between two that one cell could have come to.
+    /// Returns the mean of two possible histories of one cell.
     pub fn mean(&self, one: &History, other: &History) -> History {
         let accumulated = 0.5 * (one.accumulated + other.accumulated);
         let piece = |sense: usize| {
@@ -387,7 +389,7 @@ mod tests {
             let first = law.flow(step(excess, 0.5, 1e-6), 0, &mut twice);
             let stress = 200e6 + excess - 0.5 * first.plastic;
             let second = law.flow(step(stress - law.limits(&twice)[1], 0.5, 1e-6), 0, &mut twice);
-            // A dozen operations of 1e-16 each.
+            // A dozen operations with errors of 1e-16 each.
             assert!((once.accumulated - twice.accumulated).abs() < 1e-14 * excess, "{excess}");
             // Along one piece the overstress falls linearly with the flow; a chord replaces the curve where it has knots.
             let [whole, first, second] = [whole, first, second].map(|flow| flow.overstress + flow.numerical);
@@ -412,7 +414,7 @@ mod tests {
         }
     }
 
-    /// By the error of its flow it may be found within its limit.
+    /// Within the error of its flow, the cell may end inside its elastic limit.
     #[test]
     fn a_heated_cell_that_is_strained_on_keeps_flowing() {
         for (kinematic, exponent) in [(0.0, 1.2), (1.0, 1.2), (1.0, 0.8)] {

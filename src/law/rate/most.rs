@@ -1,7 +1,7 @@
-//! Malvern's law for many cells at once: those that are elastic in a step, or flow all the step long along one piece of the static curve.
-//! The curve may move with a back stress.
+//! Malvern's law for many cells at once: for cells that are elastic in a step, or that flow during the whole step along one piece of the static
+//! curve. The curve may move with a back stress.
 //!
-//! The operations are those of [`super::Timed`] for one cell, without a choice between them.
+//! The operations are those of [`super::Timed`] for one cell, without branches.
 
 #![expect(
     clippy::needless_bitwise_bool,
@@ -13,19 +13,19 @@ use super::step::{GONE, rounding};
 use crate::law::Steps;
 use crate::root::Tolerance;
 
-/// The static curves and the flow of a step along each of their pieces, see [`super::relaxed`].
+/// The static curves, and the coefficients of the flow of a step along each of their pieces, see [`super::relaxed`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pieces<'a> {
     pub curves: Sides<'a>,
     pub parts: [&'a [[f64; 2]]; 2],
-    /// Kinematic part of the hardening, and the elastic limit of first loading, Pa; 0 where the curves do not move.
+    /// Kinematic fraction of the hardening, and elastic limit of first loading, Pa; both 0 if the curves do not move.
     pub kinematic: [f64; 2],
 }
 
-/// What a cell needs of the piece it is on.
+/// Data of the piece of the static curve on which a cell is.
 #[derive(Clone, Copy)]
 struct On {
-    /// Static flow stress of first loading, and in the other sense, Pa.
+    /// Static flow stress of first loading in the sense of the stress, and in the other sense, Pa.
     stress: f64,
     across: f64,
     slope: f64,
@@ -34,7 +34,8 @@ struct On {
 }
 
 impl Pieces<'_> {
-    /// Steps the cells from their stresses and states to the stresses that they would have elastically; `after.known` tells which of them are done.
+    /// Advances cells from stresses `sigma` and states `state`, given their elastic predictors. Sets `after.known` to 1 for the cells whose result is
+    /// valid.
     #[inline(always)]
     pub(super) fn step<const N: usize, const W: usize>(
         &self,
@@ -106,7 +107,7 @@ impl Pieces<'_> {
     }
 }
 
-/// Half the elastic range of a cell whose curve moves, Pa, and by how much it grows with the flow; from the static flow stress of
+/// Returns half the elastic range of a cell whose curve moves, Pa, and its derivative with respect to the flow; from the static flow stress of
 /// first loading and its slope.
 #[inline(always)]
 pub(super) fn halved(kinematic: f64, yield_stress: f64, stress: f64, slope: f64) -> (f64, f64) {
@@ -114,30 +115,31 @@ pub(super) fn halved(kinematic: f64, yield_stress: f64, stress: f64, slope: f64)
     (stress - moved, (1.0 - kinematic) * slope)
 }
 
-/// A cell that flows all the step long, if it does.
+/// A candidate solution in which a cell flows during the whole step.
 pub(super) struct Flown {
     pub sign: f64,
-    /// Overstress at the start, what it rises by if nothing flows, and what flows, Pa.
+    /// Overstress at the start, its rise if nothing flows, and the flow, Pa.
     pub excess: f64,
     pub rise: f64,
     pub flow: f64,
-    /// Elastic limit in the sense of the flow, and half the elastic range, at the start and at the end, Pa.
+    /// Elastic limit in the sense of the flow, and half the elastic range, each at the start and at the end, Pa.
     pub limit: [f64; 2],
     pub half: [f64; 2],
-    /// Elastic limit at the start in the other sense, and half the range by which its rounding goes, Pa.
+    /// Elastic limit at the start in the other sense, and the half range from which its rounding is computed, Pa.
     pub across: [f64; 2],
     /// Back stress, Pa.
     pub back: f64,
-    /// What the overstress loses by flow.
+    /// Decrease of the overstress per flow.
     pub gain: f64,
-    /// E times the plastic strain at which the piece ends, Pa.
+    /// E times the plastic strain at the end of the piece, Pa.
     pub end: f64,
-    /// The flow is that of the law.
+    /// Whether `flow` solves the law.
     pub is_found: bool,
 }
 
 impl Flown {
-    /// Notes what the cell does, `width` being the overstress over which the rate changes by a factor e at the end, where it is elastic, or flows from the start on and ends beyond the static curve or on it.
+    /// Stores the result of the cell if it is elastic, or if it flows from the start on and ends beyond the static curve or on it. `width` returns
+    /// the overstress over which the rate changes by a factor e at the end.
     #[inline(always)]
     pub fn note<const N: usize, const W: usize>(
         self,

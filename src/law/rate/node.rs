@@ -1,49 +1,48 @@
 //! Viscoplastic flow at a node of the characteristic net, once per step.
 //!
-//! A part `theta` of the flow p of a node comes before the moment at which it is read, the rest after it. So the rates of flow at
-//! both ends of a characteristic act along it, each for half a step, and a bar that is strained steadily has the overstress of
-//! its strain rate, whatever the step. With x* the excess over the elastic limit on arrival, and x at the moment of reading,
+//! A fraction `theta` of the flow p of a node precedes the instant at which the node is evaluated, the rest follows it. The rates of flow at
+//! both ends of a characteristic thus act along it, each for half a step, and a bar that is strained steadily has the overstress of
+//! its strain rate, whatever the step. With x* the excess over the elastic limit on arrival, and x at the instant of evaluation,
 //!
 //! ```text
 //!   x* = x + gain (p - a),   p = q(x, f) time,   gain = share + df/dp,   a = (1 - theta) p,
 //! ```
 //!
-//! `share` being what the stress of the node falls by per flow. But for Malvern's law the static curve is taken as straight between
-//! the ends of the step; both ends are on it. The part a that comes after the reading lies between two bounds.
+//! where `share` is the decrease of the node's stress per flow. Except for Malvern's law, the static curve is taken as straight between
+//! the ends of the step; both ends are on it. The part a that follows the evaluation lies between two bounds.
 //!
-//! The lower bound is exact for a stress that relaxes by Malvern's law and is not driven. With z = gain p/x, the step over the
+//! The lower bound is exact for a stress that relaxes by Malvern's law without loading. With z = gain p/x, the ratio of the step to the
 //! relaxation time,
 //!
 //! ```text
 //!   theta = 1/(1 - exp(-z)) - 1/z
 //! ```
 //!
-//! By the other laws z has the overstress over which the rate changes by a factor e instead of x, where that is less. Then no
-//! node falls below its static curve, and nothing rings. But theta tends to 1 for long steps, and what passes between nodes is the
-//! stress half-way through their flow: too large by `share (theta - 1/2) p`, which diffuses plastic waves as a scheme of first
-//! order does.
+//! For the other laws, x in z is replaced by the overstress over which the rate changes by a factor e, if that is smaller. Then no node falls below
+//! its static curve, and nothing oscillates. But theta tends to 1 for long steps, and the stress that is transmitted between nodes is that half-way
+//! through their flow. It is too large by `share (theta - 1/2) p`, which diffuses plastic waves as a first-order scheme does.
 //!
-//! The upper bound, theta = 1/2, is the rule of the trapezium, which dissipates nothing and damps nothing. It applies where the
-//! flow is smooth: a is at most half of the least flow of the two neighbours half a step before, as in a minmod limiter. Malvern's
-//! law stays at the lower bound: its relaxation time does not fall as the strain rate rises, and steps resolve it.
+//! The upper bound, theta = 1/2, is the trapezoidal rule, which has neither dissipation nor damping. It applies where the
+//! flow is smooth: a is at most half of the smaller flow of the two neighbours half a step before, as in a minmod limiter. Malvern's
+//! law stays at the lower bound: its relaxation time does not decrease with the strain rate, and steps resolve it.
 
 use super::{Flow, History, Overstress, RateLaw, driven::relaxed};
 use crate::root::{Tolerance, fixed_point};
 
-/// What a node meets in a step.
+/// Loading of a node in a step.
 #[derive(Debug, Clone, Copy)]
 pub struct NodeStep {
     /// Stress beyond the elastic limit on arrival, Pa.
     pub excess: f64,
-    /// What the stress falls by per flow, >= 0.
+    /// Decrease of the stress per flow, >= 0.
     pub share: f64,
-    /// Half of the least flow of the neighbours in the same sense, Pa, >= 0.
+    /// Half of the smaller flow of the two neighbours in the same sense, Pa, >= 0.
     pub smooth: f64,
-    /// s.
+    /// Duration of the step, s.
     pub time: f64,
 }
 
-/// Flow of a node, all of it and after its reading; and the overstress at the reading. Pa.
+/// Flow of a node: the whole flow, its part after the evaluation, and the overstress at the evaluation; Pa.
 #[derive(Clone, Copy)]
 struct Solution {
     flow: f64,
@@ -51,25 +50,25 @@ struct Solution {
     overstress: f64,
 }
 
-/// A flow is known to this part of it: the rate changes by a factor e within a thousandth of the largest excess.
+/// Relative tolerance of a flow. The rate changes by a factor e within a thousandth of the largest excess.
 const RESOLUTION: f64 = 1e-13;
 
-/// Largest flow of a step over its excess where neither the node nor hardening limits it: the run ends there, by its strain.
+/// Largest flow of a step, relative to its excess, where neither the share nor hardening limits it. The strain of such a flow ends the run.
 const LARGEST: f64 = 1e6;
 
-/// 1 - theta at the lower bound.
+/// Returns 1 - theta at the lower bound.
 fn after_reading(z: f64) -> f64 {
     if z < 1e-3 { 0.5 - z / 12.0 } else { z.recip() - z.exp_m1().recip() }
 }
 
 impl NodeStep {
-    /// Part of a flow that comes after its reading, z being the step over the relaxation time.
+    /// Returns the part of a flow that follows the evaluation; z is the ratio of the step to the relaxation time.
     fn after(self, flow: f64, z: f64) -> f64 {
         (flow * after_reading(z)).max(self.smooth.min(0.5 * flow))
     }
 
-    /// What the law and the curve make of a flow, the static stress being `start` before and higher by `rise` after it; and the
-    /// flow by a step of Newton's method from there, on a scale of logarithms.
+    /// Evaluates law and curve for an assumed flow, with the static stress `start` before it and higher by `rise` after it. Returns the solution,
+    /// and an improved flow by a step of Newton's method on a logarithmic scale.
     fn solution(self, law: Overstress, start: f64, rise: f64, flow: f64) -> (Solution, f64) {
         let (gain, f) = (self.share + rise / flow, start + 0.5 * rise);
         let overstress = law.overstress(flow / self.time, f);
@@ -82,9 +81,9 @@ impl NodeStep {
 }
 
 impl RateLaw {
-    /// Flow of a node in a sense (0: beyond the upper elastic limit, 1: the lower one). The history is taken to the end of the step.
+    /// Returns the flow of a node in a sense (0: beyond the upper elastic limit, 1: the lower one), and advances the history to the end of the step.
     pub fn flow(&self, step: NodeStep, sense: usize, history: &mut History) -> Flow {
-        // Not a number, or nothing to do.
+        // Also catches NaN.
         if !(step.excess > 0.0 && step.time > 0.0) {
             return Flow::default();
         }
@@ -102,7 +101,7 @@ impl RateLaw {
         }
     }
 
-    /// A history after a signed flow.
+    /// Returns a history after a signed flow.
     pub fn flowed(&self, plastic: f64, history: &History) -> History {
         let mut history = *history;
         self.advance(plastic.abs(), usize::from(plastic < 0.0), &mut history);
@@ -132,10 +131,10 @@ impl RateLaw {
             return Solution { flow, after: flow * after_reading(z), overstress: flow / (k * step.time) };
         }
         let at = |flow: f64| step.solution(self.overstress, start, rise(flow), flow);
-        // No less than half of a flow comes before the reading.
+        // At least half of the flow precedes the evaluation.
         let mut most = (step.time * self.overstress.rate(step.excess, start)).min(2.0 * step.excess / step.share);
         if step.share == 0.0 {
-            // Of a prescribed stress far above the static curve hardening alone limits the flow.
+            // Under a prescribed stress far above the static curve, only hardening limits the flow.
             let mut hardened = step.excess;
             while rise(hardened) < 2.0 * step.excess && hardened < LARGEST * step.excess {
                 hardened *= 2.0;
@@ -146,7 +145,7 @@ impl RateLaw {
         at(fixed_point(most, [0.0, most], tolerance, |flow| at(flow).1)).0
     }
 
-    /// Flow by Malvern's law of a stress that is not driven: exact along each piece of the static curve.
+    /// Returns the flow by Malvern's law for a stress without loading: exact along each piece of the static curve.
     fn relaxation(&self, k: f64, step: NodeStep, sense: usize, history: &History) -> f64 {
         let NodeStep { mut excess, share, mut time, .. } = step;
         let (mut piece, mut p) = (history.piece[sense] as usize, history.accumulated);
@@ -163,7 +162,7 @@ impl RateLaw {
             time -= if gain > 0.0 { (excess / to).ln() / (k * gain) } else { room / (k * excess) };
             piece += 1;
             p = pieces[piece].start;
-            // Where the table rises as steeply as the elastic line, the static stress jumps here.
+            // Where the table is parallel to the elastic line, the static stress jumps.
             excess = to - (pieces[piece].stress - (f + (gain - share) * room));
         }
         p - history.accumulated

@@ -6,17 +6,17 @@
 //!   dx/dt = rise/time - gain dp/dt,   dp/dt = q(x, f),   no flow below x = 0,
 //! ```
 //!
-//! `rise` being what x would grow by within `time` if nothing flowed (Pa, either sign) and `gain` >= 0 what it loses by flow:
-//! `E d_eps` and `1 + df/dp` in a cell of given strain. [`Overstress::flow`] integrates this over a whole step: by the closed
-//! solution for Malvern's law (linear in x) and Johnson and Cook's (linear in exp(-x/(C f))), and for powers (Cowper and
-//! Symonds; Zerilli and Armstrong) by that of an exponential (q > 1: with the rate and its derivative at the end of the step)
-//! or a chord (q < 1: with the rates at both ends), second order in the step. Whatever the step, x keeps between its start and the steady overstress, where
-//! q = rise/(gain time): a step that is long against the relaxation time ends there.
+//! where `rise` is the increase of x within `time` if nothing flowed (Pa, either sign) and `gain` >= 0 the decrease of x per flow: `E d_eps` and
+//! `1 + df/dp` in a cell of given strain. [`Overstress::flow`] integrates this over a whole step. It uses the closed solution for Malvern's law
+//! (linear in x) and Johnson and Cook's (linear in exp(-x/(C f))). For powers (Cowper and Symonds; Zerilli and Armstrong) it uses the solution of an
+//! exponential (q > 1: with the rate and its derivative at the end of the step) or of a chord (q < 1: with the rates at both ends), which is of
+//! second order in the step. Whatever the step, x stays between its start and the steady overstress, where q = rise/(gain time): a step that is long
+//! compared with the relaxation time ends there.
 
 use super::driven::{Driven, Power, relaxed};
 use crate::material::{Material, Rate};
 
-/// A law of overstress. All of them flow only above the static curve.
+/// An overstress law. All of them flow only above the static curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Overstress {
     /// Malvern and Sokolovsky: plastic strain rate = k x/E.
@@ -31,18 +31,18 @@ pub enum Overstress {
         /// q, > 0.
         exponent: f64,
     },
-    /// Johnson and Cook: stress = f (1 + C ln(rate/reference)), no slower than the reference rate above the static
-    /// curve: plastic strain rate = reference exp(x/(C f)).
+    /// Johnson and Cook: stress = f (1 + C ln(rate/reference)). Above the static curve the rate is at least the reference
+    /// rate: plastic strain rate = reference exp(x/(C f)).
     JohnsonCook {
         /// C, > 0.
         c: f64,
         /// E times the reference rate, Pa/s, > 0.
         rate: f64,
     },
-    /// Zerilli and Armstrong, the thermal part of body-centred cubic metals, s(rate, T) = C1 exp(-C3 T + C4 T ln(rate/(1/s))):
-    /// stress = f + s(rate, T) - s(reference, T), no slower than the reference rate above the static curve, whatever f is.
-    /// With X = s(reference, T) and m = C4 T that is `x = X ((rate/reference)^m - 1)`, plastic strain rate =
-    /// reference (1 + x/X)^(1/m). F. J. Zerilli, R. W. Armstrong 1987 (J. Appl. Phys. 61, 1816).
+    /// Zerilli and Armstrong, the thermal part of body-centred cubic metals, s(rate, T) = C1 exp(-C3 T + C4 T ln(rate/(1/s))): stress = f + s(rate,
+    /// T) - s(reference, T), with an overstress independent of f. Above the static curve the rate is at least the reference rate. With X =
+    /// s(reference, T) and m = C4 T this is `x = X ((rate/reference)^m - 1)`, plastic strain rate = reference (1 + x/X)^(1/m). F. J. Zerilli, R. W.
+    /// Armstrong 1987 (J. Appl. Phys. 61, 1816).
     ZerilliArmstrong {
         /// X, Pa, > 0.
         stress: f64,
@@ -56,11 +56,11 @@ pub enum Overstress {
 }
 
 impl Overstress {
-    /// Malvern's law in its limit of an infinite rate: a step ends on the static curve. The rule for a material without constants.
+    /// Limit of Malvern's law for an infinite rate: a step ends on the static curve. Used for materials without rate constants.
     pub const RATE_INDEPENDENT: Self = Self::Malvern { k: f64::MAX };
 
-    /// A law for a material; none where its constants make the stress that of the static curve, or the material is to state
-    /// them and does not. Where its curve was converted from tension to shear, they are converted with it.
+    /// Returns the overstress law of a material. Returns `None` if the constants make the stress that of the static curve, or if the material is to
+    /// provide them and does not. If its curve was converted from tension to shear, the constants are converted with it.
     pub fn of(rate: Rate, material: &Material) -> Option<Self> {
         let modulus = material.modulus;
         match material.shear_from_tension.map_or(rate, |ratio| rate.in_shear(ratio)) {
@@ -78,12 +78,13 @@ impl Overstress {
         }
     }
 
-    /// Its rate of flow grows so fast with the overstress that the elastic stress of a sharp wave is gone long before a time step ends.
+    /// Returns true if the rate of flow grows so fast with the overstress that the elastic stress of a sharp wave relaxes long before a time step
+    /// ends.
     pub fn relaxes_at_once(self) -> bool {
         matches!(self, Self::JohnsonCook { .. } | Self::ZerilliArmstrong { .. })
     }
 
-    /// The law at a temperature higher by `rise`, K.
+    /// Returns the law at a temperature that is higher by `rise`, K.
     #[must_use]
     pub fn at_rise(self, rise: f64) -> Self {
         let Self::ZerilliArmstrong { stress, sensitivity, rate, thermal } = self else { return self };
@@ -93,17 +94,17 @@ impl Overstress {
     }
 }
 
-/// Logarithm of a part of a stress that does not count any more.
+/// Smallest logarithm of a thermal stress ratio; a smaller ratio is negligible.
 const LEAST_LOG: f64 = -40.0;
 
-/// A flow that takes next to nothing off the overstress keeps its rate.
+/// Smallest `gain` used by the power and exponential laws. A smaller one does not change the rate of flow noticeably.
 const LEAST_GAIN: f64 = 1e-12;
 
-/// Largest exponent that is taken literally: e^500 times any rate empties any overstress at once.
+/// Largest exponent that is evaluated: e^500 times any rate removes any overstress at once.
 const LARGEST_EXPONENT: f64 = 500.0;
 
 impl Overstress {
-    /// dp/dt, Pa/s: E times the plastic strain rate at overstress x > 0 over the static stress f, Pa.
+    /// Returns dp/dt, Pa/s: E times the plastic strain rate at overstress x > 0 above the static stress f, Pa.
     pub fn rate(self, x: f64, f: f64) -> f64 {
         match self {
             Self::Malvern { k } => k * x,
@@ -115,7 +116,7 @@ impl Overstress {
         }
     }
 
-    /// The overstress at which it flows at `flow_rate`, Pa/s (E times the plastic strain rate, > 0), over the static stress
+    /// Returns the overstress, Pa, at which the law flows at `flow_rate`, Pa/s (E times the plastic strain rate, > 0), above the static stress
     /// f, Pa: the inverse of [`Self::rate`]. 0 below a reference rate.
     pub fn overstress(self, flow_rate: f64, f: f64) -> f64 {
         match self {
@@ -128,7 +129,7 @@ impl Overstress {
         }
     }
 
-    /// Plastic flow of a cell strained at a constant rate over a static stress f, Pa: E times plastic strain, Pa, >= 0.
+    /// Returns the plastic flow of a cell strained at a constant rate above a static stress f, Pa: E times plastic strain, Pa, >= 0.
     #[inline]
     pub fn flow(self, driven: Driven, gain: f64, f: f64) -> f64 {
         if driven.time <= 0.0 {
@@ -155,12 +156,13 @@ impl Overstress {
         }
     }
 
-    /// Part of a small change of the overstress that goes per second in a cell of given strain: 1 over the relaxation time.
+    /// Returns the relative rate at which a small change of the overstress decays in a cell of given strain, 1/s: the reciprocal of the relaxation
+    /// time.
     pub fn relaxation_rate(self, x: f64, f: f64) -> f64 {
         self.rate(x, f) / self.width(x, f)
     }
 
-    /// Overstress over which the rate changes by a factor e (for Malvern's law: x itself), Pa.
+    /// Returns the overstress over which the rate changes by a factor e (for Malvern's law: x itself), Pa.
     pub fn width(self, x: f64, f: f64) -> f64 {
         match self {
             Self::Malvern { .. } => x,
@@ -170,7 +172,7 @@ impl Overstress {
         }
     }
 
-    /// True where the rate depends on f too, which then changes while the cell flows.
+    /// Returns true if the rate depends on f too, which then changes while the cell flows.
     pub fn needs_static_stress(self) -> bool {
         !matches!(self, Self::Malvern { .. } | Self::ZerilliArmstrong { .. })
     }
@@ -196,7 +198,7 @@ mod tests {
         Overstress::ZerilliArmstrong { stress, sensitivity, rate: 200e9, thermal: [5e-3, 4e-4] }
     }
 
-    /// Overstress after a step, by many steps of the midpoint rule; the one that comes down to the static curve is split there.
+    /// Returns the overstress after a step, by many steps of the midpoint rule; the one that reaches the static curve is split there.
     fn integrated(law: Overstress, driven: Driven, gain: f64, f: f64) -> f64 {
         let steps = 20_000;
         let h = driven.time / f64::from(steps);
@@ -208,15 +210,15 @@ mod tests {
         })
     }
 
-    /// Of a step as long as `part` of the relaxation time, driven at `drive` times the rate of flow at its start: closed
-    /// solutions have the error of the reference. A fit is of third order where it is driven otherwise than steadily, and the
-    /// quadrature to the static curve of eight points.
+    /// Returns the error bound of a step as long as `part` of the relaxation time, loaded at `drive` times the initial rate of flow. Closed
+    /// solutions have the error of the reference. Approximations are of third order unless the loading is steady; the
+    /// quadrature to the static curve has eight points.
     fn error_bound(law: Overstress, part: f64, drive: f64, to_curve: bool) -> f64 {
         let closed = 1e-7;
         let (third_order, quadrature) = match law {
             Overstress::CowperSymonds { exponent, .. } if exponent > 1.0 => (0.04, closed),
             Overstress::CowperSymonds { exponent, .. } if exponent < 1.0 => (1.2, 4e-4),
-            // That of a power, 1/q^2, of the thermal stress X + x.
+            // Error of a power law, 1/q^2, of the thermal stress X + x.
             Overstress::ZerilliArmstrong { sensitivity, stress, .. } if sensitivity < 1.0 => {
                 (sensitivity * sensitivity * (1.0 + stress / 50e6), closed)
             }
@@ -257,8 +259,8 @@ mod tests {
                     let time = 100.0 * law.width(steady, f).max(steady) / rate;
                     let driven = Driven { excess: start, rise: rate * time, time };
                     let end = start + driven.rise - gain * law.flow(driven, gain, f);
-                    // 200 times the overstress goes by, and by Zerilli and Armstrong's law it is a difference of thermal stresses:
-                    // differences of numbers that large.
+                    // The loading is 200 times the overstress, and in Zerilli and Armstrong's law the overstress is a difference of thermal stresses:
+                    // both are differences of large numbers.
                     let size = if let Overstress::ZerilliArmstrong { stress, .. } = law { 1e-3 * stress } else { 0.0 };
                     assert!((end - steady).abs() < 1e-11 * (steady + size), "{law:?} {steady} {start}: {end}");
                 }
@@ -272,7 +274,7 @@ mod tests {
             // Above Johnson and Cook's reference rates.
             for rate in [200e9 * 60.0, 200e9 * 1e4] {
                 let back = law.rate(law.overstress(rate, 200e6), 200e6);
-                // A power of 5 and an exponential of 20 multiply rounding.
+                // A power of 5 and an exponential of 20 amplify rounding.
                 assert!((back / rate - 1.0).abs() < 1e-12, "{law:?}: {back:e} {rate:e}");
             }
         }

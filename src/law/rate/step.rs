@@ -1,56 +1,56 @@
 //! Common parts of the rate laws: a step of given strain, the first five state variables, and the flow criterion.
 //!
 //! State: `[E p accumulated, E eps_p signed, quickness, signed overstress, work of the overstress times E, ..]`. The quickness
-//! is the flow of the latest step over the overstress that makes a factor e in the rate: the step over the relaxation time.
+//! is the flow of the latest step over the overstress that changes the rate by a factor e, i.e. the ratio of the step to the relaxation time.
 
 use super::{Driven, Overstress};
 use crate::root::Tolerance;
 
-/// Overstress below this part of the stresses it is the difference of is rounding and does not flow.
+/// Overstress, relative to the stresses of which it is the difference, below which it is rounding and does not flow.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Stands for an overstress that the latest step took away to the last bit.
+/// Marks an overstress that the latest step removed completely.
 pub(super) const GONE: f64 = f64::MIN_POSITIVE;
 
-/// Steps over relaxation times from which on a cell loses half of an overstress within half a step.
+/// Ratio of the step to the relaxation time above which a cell loses at least half of an overstress within half a step.
 pub(super) const QUICK: f64 = 2.0 * std::f64::consts::LN_2;
 
-/// A cell that flows: what a law of overstress knows of it between two instants of a step.
+/// A cell that flows, as seen by an overstress law between two instants of a step.
 pub(super) trait Flowing {
-    /// Stresses between which it is elastic, Pa: lower and upper.
+    /// Returns the lower and the upper stress between which the cell is elastic, Pa.
     fn limits(&self) -> [f64; 2];
 
-    /// Middle between them as far as hardening moves it, Pa.
+    /// Returns the back stress: the middle between the limits as far as hardening moves it, Pa.
     fn back(&self) -> f64;
 
-    /// What it flows in a sense (0: at or beyond the upper limit, 1: the lower one): E times plastic strain, Pa, >= 0.
+    /// Returns the flow in a sense (0: at or beyond the upper limit, 1: the lower one): E times plastic strain, Pa, >= 0.
     fn flow(&self, driven: Driven, sense: usize) -> f64;
 
-    /// Takes it to the end of a flow.
+    /// Advances the cell to the end of a flow.
     fn advance(&mut self, driven: Driven, flow: f64, sense: usize);
 
-    /// d f/dp of its static curve in a sense.
+    /// Returns the slope d f/dp of the static curve in a sense.
     fn slope(&self, sense: usize) -> f64;
 
-    /// Its law of overstress, and the static flow stress in a sense, Pa.
+    /// Returns the overstress law, and the static flow stress in a sense, Pa.
     fn law(&self, sense: usize) -> (Overstress, f64);
 }
 
-/// What a cell did in a step.
+/// Result of a step of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Step {
-    /// E times signed plastic strain, Pa.
+    /// E times the signed plastic strain, Pa.
     pub plastic: f64,
     /// E times the work of the overstress, Pa^2, >= 0.
     pub work: f64,
-    /// Signed overstress at the end, Pa; [`GONE`] on the static curve.
+    /// Signed overstress at the end, Pa; [`GONE`] if the cell flows and ends on the static curve.
     pub overstress: f64,
-    /// Step over relaxation time.
+    /// Ratio of the step to the relaxation time.
     pub quickness: f64,
 }
 
-/// A step of length `time` from stress `sigma` to `predictor`, Pa, where nothing flows: elastic up to a limit, then flow, and
-/// once more where the step goes on to the other limit.
+/// Computes a step of length `time` from stress `sigma` to the elastic predictor `predictor`, Pa: elastic up to a limit, then flow, and
+/// flow in the other sense if the step continues to the other limit.
 #[inline]
 pub(super) fn step(cell: &mut impl Flowing, sigma: f64, predictor: f64, time: f64) -> Step {
     let [low, high] = cell.limits();
@@ -59,7 +59,7 @@ pub(super) fn step(cell: &mut impl Flowing, sigma: f64, predictor: f64, time: f6
     }
     let whole = predictor - sigma;
     let from_limit = |(x, sense): (f64, usize)| {
-        // No strain at all brings no cell beyond a limit.
+        // Without strain, rounding may put the cell beyond a limit: the fraction is limited to 1.
         let part = (x / whole.abs()).min(1.0);
         (Driven { excess: 0.0, rise: x, time: part * time }, sense)
     };
@@ -86,7 +86,7 @@ impl Step {
         let left = if sense == 0 { stress - high } else { low - stress };
         self.work += 0.5 * (driven.excess + left.max(0.0)) * flow;
         let least = rounding(stress, [low, high], cell.back()) + unsolved(cell, driven, flow, sense);
-        // What is strained on does not leave its limit: less than that is the error of the flow that was found, however large.
+        // A cell that is strained further does not leave its limit. A smaller stress is the error of the computed flow, however large.
         let stays = flow > 0.0 && (driven.rise >= 0.0 || left >= -least);
         let size = match left {
             left if left > least => left,
@@ -98,12 +98,13 @@ impl Step {
     }
 }
 
-/// The flow in a step of length `time`; where the cell comes to its limit or leaves it within the step, of a mean.
+/// Returns the flow in a step of length `time`. If the cell reaches its limit or leaves it within the step, the result is a weighted mean of two
+/// solutions.
 ///
-/// A front that moves on by a cell in each step, as an elastic one does at Courant number 1, meets every cell at the same part
-/// of a step: a path through it that is straight in time, right for a material point, then errs alike in all cells, which
-/// adds up to an error of first order and, for a jump, of none. Flow for half a step at the overstress of the end that is
-/// beyond the limit knows no such error. It is taken as far as the step resolves the relaxation.
+/// A front that advances by one cell per step, as an elastic front does at Courant number 1, meets every cell at the same fraction of a step. A
+/// stress path that is linear in time, which is right for a material point, then has the same error in all cells. The errors add up to a first-order
+/// error and, for a jump, to an error that does not vanish with the step. Flow for half a step at the overstress of the end that is beyond the limit
+/// has no such error. Its weight tends to 1 as the step resolves the relaxation.
 #[inline]
 fn across_limit(cell: &impl Flowing, driven: Driven, sense: usize, time: f64) -> f64 {
     let flow = cell.flow(driven, sense);
@@ -121,8 +122,8 @@ fn across_limit(cell: &impl Flowing, driven: Driven, sense: usize, time: f64) ->
     flow + part * (cell.flow(Driven { excess, rise: 0.0, time: 0.5 * time }, sense) - flow)
 }
 
-/// How far from its elastic limit a stress may end by the tolerance to which a flow is solved: the stress falls by what flows, and the limit
-/// rises by the slope of the curve times that, tens of times as much along a line that is nearly as steep as the elastic one.
+/// Returns the distance from the elastic limit that the tolerance of the flow allows for a stress. The stress falls by the flow, and the limit
+/// rises by the slope of the curve times the flow: tens of times as much along a line that is nearly as steep as the elastic one.
 fn unsolved(cell: &impl Flowing, driven: Driven, flow: f64, sense: usize) -> f64 {
     (1.0 + cell.slope(sense)) * Tolerance::of_differences(driven.excess + driven.rise.abs()).at(flow)
 }
@@ -137,7 +138,7 @@ pub(super) fn rounding(sigma: f64, [low, high]: [f64; 2], back: f64) -> f64 {
     ROUNDING * (sigma.abs() + back.abs() + (high - low))
 }
 
-/// How far a stress is beyond the elastic limits, and in which sense (0: the upper one, 1: the lower one); none where it is
+/// Returns how far a stress is beyond the elastic limits, Pa, and in which sense (0: the upper one, 1: the lower one). `None` if it is
 /// between them.
 #[inline]
 fn excess(sigma: f64, cell: &impl Flowing) -> Option<(f64, usize)> {
@@ -152,19 +153,20 @@ fn excess(sigma: f64, cell: &impl Flowing) -> Option<(f64, usize)> {
     }
 }
 
-/// Flow in both senses in a step, from E times the accumulated plastic strain before and after it and the signed one of the step, Pa.
+/// Returns the flow in each sense (up, down) in a step, from E times the accumulated plastic strain before and after it and the signed one of the
+/// step, Pa.
 pub(super) fn both_ways([before, after]: [f64; 2], plastic: f64) -> [f64; 2] {
     let all = after - before;
     [0.5 * (all + plastic), 0.5 * (all - plastic)]
 }
 
-/// Whether a cell flows in both senses in a step: from an overstress in one to beyond the elastic limit of the other.
+/// Returns true if a cell flows in both senses in a step: from an overstress in one sense to beyond the elastic limit of the other.
 pub(super) fn is_both_ways(accumulated: [f64; 2], plastic: f64) -> bool {
     let [up, down] = both_ways(accumulated, plastic);
     up.min(down) > ROUNDING * accumulated[1]
 }
 
-/// What [`crate::law::CellLaw`] reads off the state.
+/// Methods of [`crate::law::CellLaw`] that only read the state.
 macro_rules! readings_of_state {
     () => {
         const TAKES_TIME: bool = true;
@@ -182,8 +184,8 @@ macro_rules! readings_of_state {
             after.onset(sigma, Self::middle(self, state)).min(end)
         }
 
-        /// Where a cell flows in both senses, or flows at first and is unloaded to beyond the middle of its elastic range: the work of each flow
-        /// under its elastic limit at the end of the step, and that of the overstress.
+        /// If a cell flows in both senses, or flows at first and is then unloaded beyond the middle of its elastic range: the work of each flow
+        /// against its elastic limit at the end of the step, plus that of the overstress.
         fn turned_work(&self, state: [f64; N], after: &Response<N>) -> f64 {
             let accumulated = [state[0], after.state[0]];
             let end = (after.sigma - Self::middle(self, after.state)) * after.plastic;
@@ -213,7 +215,7 @@ macro_rules! readings_of_state {
             state[0]
         }
 
-        /// That of the overstress.
+        /// Returns the sense of the overstress.
         fn sense(&self, sigma: f64, state: [f64; N]) -> $crate::material::Sense {
             $crate::material::Sense::of(if state[3] == 0.0 { sigma } else { state[3] })
         }
@@ -232,7 +234,7 @@ macro_rules! readings_of_state {
             state[3] != 0.0
         }
 
-        /// The cell is loaded, and at least half of an overstress goes within half a step: it follows the curve of its strain
+        /// Returns true if the cell is loaded and loses at least half of an overstress within half a step: it follows the curve of its strain
         /// rate. A cell that unloaded within the step has no overstress at its end.
         #[inline]
         fn keeps_up(&self, state: [f64; N]) -> bool {

@@ -1,5 +1,6 @@
-//! Adiabatic heating by plastic work, and the softening `((T - Tref)/(Tm - Tref))^m` of the flow stress that it brings
-//! (Johnson and Cook). Each place loses that share of its stress, to first order; unloading spreads the loss over the bar.
+//! Adiabatic heating by plastic work, and the resulting softening `((T - Tref)/(Tm - Tref))^m` of the flow stress
+//! (Johnson and Cook). To first order the stress of each place decreases by this fraction; unloading spreads the change
+//! over the bar.
 
 use std::sync::Arc;
 
@@ -11,30 +12,30 @@ use super::places::Places;
 use super::spread::Spread;
 use crate::material::{DEFAULT_FRACTION, Material, Sense, WorkTable};
 
-/// A place's softening is worked out again when its plastic strain has grown by this share.
+/// Ratio by which the plastic strain of a place must have grown before its softening is computed again.
 const WORTH_IT: f64 = 1.02;
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Heat {
-    /// By segment, in tension and compression; none where the material does not state all that the softening needs.
+    /// Media of each segment in tension and compression; `None` if the material does not state all constants of the softening.
     #[serde(skip)]
     pub(super) media: Vec<Option<[Medium; 2]>>,
-    /// Plastic strain at which each place's softening was worked out, and the softening.
+    /// Softening of each place, preceded by the plastic strain at which it was computed.
     softening: Vec<(f64, f64)>,
     spread: Spread,
-    /// Largest of all looks, Pa m.
+    /// Largest change of all samples, Pa m.
     change: f64,
-    /// Largest rise: K, softening, time, place.
+    /// Largest temperature rise: rise (K), softening, time (s), place.
     hottest: Option<(f64, f64, f64, usize)>,
 }
 
-/// A material that warms.
+/// Thermal constants of a material in one sense.
 #[derive(Debug)]
 pub(super) struct Medium {
     work: WorkTable,
-    /// K per J/m^3.
+    /// Temperature rise per plastic work, K per J/m^3.
     rise_per_work: f64,
-    /// Melting above reference temperature, K.
+    /// Melting temperature above the reference temperature, K.
     range: f64,
     exponent: f64,
 }
@@ -49,7 +50,8 @@ impl Medium {
         Some(Self { work, rise_per_work, range, exponent: heat.exponent? })
     }
 
-    /// K, and the share of the flow stress that is lost, of a place that started with one plastic strain and gained another.
+    /// Returns the temperature rise (K) and the fraction of the flow stress that is lost, for a place that gained a
+    /// plastic strain after starting with another one.
     fn at(&self, start: f64, gained: f64) -> (f64, f64) {
         let work = self.work.at(start + gained) - self.work.at(start);
         let rise = (self.rise_per_work * work).min(self.range);

@@ -1,4 +1,4 @@
-//! Tension at bonded joints, at which a contact joint would open. For information only.
+//! Tension at bonded joints, at which a contact joint would open. It is reported for information only.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,23 +11,23 @@ use crate::units::{Dimension, System, format};
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Joints(Vec<Watched>);
 
-/// A bonded joint.
+/// Bonded joint whose tension is recorded.
 #[derive(Debug, Serialize, Deserialize)]
 struct Watched {
-    /// Counted from 0.
+    /// Number of the joint, counted from 0.
     number: usize,
     x: f64,
-    /// The last place to its left.
+    /// Last sampling place to the left of the joint.
     place: usize,
-    /// Force that the weaker side carries at most, over the left side's area, Pa.
+    /// Largest force that the weaker side carries, over the area of the left side, Pa.
     strength: f64,
-    /// Largest tension so far, Pa, and when.
+    /// Largest tension so far, Pa, and its time, s.
     tension: f64,
     time: f64,
 }
 
 impl Joints {
-    /// Joints of materials whose strength is known.
+    /// Creates the records of the bonded joints between materials of which at least one has a known strength.
     pub fn new(bar: &Bar, places: &Places) -> Self {
         let (mut x, mut joints) = (0.0, Vec::new());
         for (number, pair) in bar.segments.windows(2).enumerate() {
@@ -54,7 +54,7 @@ impl Joints {
         }
     }
 
-    /// The joint that used up most of its strength.
+    /// Returns the row of the joint that carried the largest fraction of its strength; `None` without tension.
     pub fn row(&self) -> Option<AuditRow> {
         let used = |j: &Watched| j.tension / j.strength;
         let joint = self.0.iter().filter(|j| j.tension > 0.0).max_by(|a, b| used(a).total_cmp(&used(b)))?;

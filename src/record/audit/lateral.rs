@@ -1,25 +1,26 @@
-//! Lateral inertia (Love): waves of wave number k run at `c0/sqrt(1 + (nu r k)^2)`, with r the polar radius of gyration of
-//! the section. Over a way X a pulse sigma(x) becomes `sigma + (l^3/3) sigma'''` where it is smooth over the length
-//! `l = (3 (nu r)^2 X/2)^(1/3)`; sharper edges come out about l wide. Both are the sum of `l |third difference|/3` over
-//! places l apart, which is what is estimated here, from what the ends and joints impose and X = c0 times the run's time.
+//! Lateral inertia (Love): waves of wave number k travel at the phase velocity `c0/sqrt(1 + (nu r k)^2)`, where r is
+//! the polar radius of gyration of the section. Over a distance X a pulse sigma(x) becomes `sigma + (l^3/3) sigma'''`
+//! if it is smooth over the length `l = (3 (nu r)^2 X/2)^(1/3)`; sharper edges spread to a width of about l. In both
+//! cases the change equals the sum of `l |third difference|/3` over places l apart. This sum is computed here, from the
+//! stresses that the ends and joints impose and X = c0 times the duration of the run.
 
 use super::finding::Finding;
 use super::{AuditRow, Case};
 use crate::bar::{EndCondition, Joint, Segment};
 use crate::units::{Dimension, System, format};
 
-/// Most places at which a pulse is read.
+/// Largest number of times at which a pulse is read.
 const SAMPLES: usize = 4096;
 
-/// A pulse that goes into the bar, and the segment that it goes through.
+/// Pulse that enters the bar, and the segment through which it travels.
 struct Pulse<'a> {
     segment: &'a Segment,
-    /// Stress against time, to any scale that all pulses share.
+    /// Stress against time, on a scale that all pulses share.
     stress: Box<dyn Fn(f64) -> f64 + 'a>,
 }
 
 impl Pulse<'_> {
-    /// Time between 10 % and 90 % of the largest stress, s.
+    /// Returns the time between 10 % and 90 % of the largest stress, s.
     fn rise_time(&self, until: f64) -> f64 {
         let at = |i: usize| (self.stress)(i as f64 * until / SAMPLES as f64).abs();
         let largest = (0..=SAMPLES).map(at).fold(0.0, f64::max);
@@ -28,18 +29,18 @@ impl Pulse<'_> {
     }
 }
 
-/// Sizes of what lateral inertia does to pulses.
+/// Sizes of the pulses and of their changes by lateral inertia.
 #[derive(Debug, Default, Clone, Copy)]
 struct Sizes {
-    /// L1 of the change, Pa m.
+    /// L1 norm of the change, Pa m.
     change: f64,
-    /// L1 of the stress, Pa m.
+    /// L1 norm of the stress, Pa m.
     stress: f64,
-    /// Radius of the section (m) and rise time (s) of the pulse with the largest change, and that change.
+    /// Radius of the section (m) and rise time (s) of the pulse with the largest change, and this change (Pa m).
     worst: (f64, f64, f64),
 }
 
-/// The estimate for a run.
+/// Returns the row with the estimate for a run.
 pub(super) fn row(case: &Case<'_>) -> AuditRow {
     finding(case).row("lateral-inertia", case.tolerance)
 }
@@ -79,7 +80,7 @@ fn finding(case: &Case<'_>) -> Finding {
     }
 }
 
-/// What of the scene no method simulates together with lateral inertia.
+/// Returns the feature of the scene that no method simulates together with lateral inertia; `None` if there is none.
 fn excluded(case: &Case<'_>) -> Option<&'static str> {
     let any = |has: fn(&Segment) -> bool| case.bar.segments.iter().any(has);
     let parts = [
@@ -94,7 +95,7 @@ impl Sizes {
     fn and(self, pulse: &Pulse<'_>, case: &Case<'_>) -> Self {
         let material = &pulse.segment.material;
         let (c0, nu) = (material.c0(), material.poisson.unwrap_or(0.0));
-        // A round section: the polar radius of gyration is radius/sqrt(2).
+        // The section is assumed to be round: its polar radius of gyration is radius/sqrt(2).
         let radius = (pulse.segment.area / std::f64::consts::PI).sqrt();
         let a = nu * radius / std::f64::consts::SQRT_2;
         let width = (1.5 * a * a * c0 * case.until).cbrt();
@@ -103,8 +104,8 @@ impl Sizes {
         }
         let step = (width / c0).max(case.until / SAMPLES as f64);
         let count = (case.until / step).ceil() as usize + 1;
-        // Quiet before and after, and read inside the steps, so that edges at the very start count whole; the largest value of each, so that no pulse is
-        // too short.
+        // Zeros before and after the pulse, and readings inside the steps, include edges at the very start completely.
+        // The largest value in each step is used, so that no pulse is too short to be found.
         let inside = (SAMPLES / count).max(1);
         let at = |i: usize, k: usize| (pulse.stress)(((i - 3) as f64 + (k as f64 + 0.5) / inside as f64) * step);
         let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
@@ -120,7 +121,7 @@ impl Sizes {
     }
 }
 
-/// The largest sum of sizes over as many neighbours.
+/// Returns the largest sum of magnitudes over `length` consecutive values.
 fn largest_window(values: &[f64], length: usize) -> f64 {
     let (mut sum, mut largest) = (0.0_f64, 0.0_f64);
     for (i, value) in values.iter().enumerate() {
@@ -153,7 +154,7 @@ fn pulses<'a>(case: &Case<'a>) -> Vec<Pulse<'a>> {
     all
 }
 
-/// The elastic stress that an end imposes against time; none where it imposes nothing.
+/// Returns the elastic stress that an end imposes as a function of time, Pa; `None` if it imposes nothing.
 fn imposed<'a>(end: &'a EndCondition, at: &Segment, inward: f64) -> Option<Box<dyn Fn(f64) -> f64 + 'a>> {
     let (impedance, rest) = (at.material.impedance(), at.velocity);
     let constant = |stress: f64, from: f64| -> Option<Box<dyn Fn(f64) -> f64 + 'a>> {

@@ -1,12 +1,14 @@
-//! Audit of neglected effects: the estimated change of the stress by every effect that was off.
+//! Audit of neglected effects: estimates the change of the stress by every effect that is off.
 //!
-//! The answer is the stress. An estimate is the largest L1 change of the stress over the bar at any time of the run, over
-//! the largest L1 of the stress itself: `max_t int |d sigma| dx / max_t int |sigma| dx`. It comes from the run as it was,
-//! to first order: what the effect would have added there, not what would have followed from it. A change of the answer
-//! into another one (the bar breaks) counts as 1.
+//! The result to which the audit refers is the stress. An estimate is the largest L1 change of the stress over the bar
+//! at any time of the run, relative to the largest L1 norm of the stress:
+//! `max_t int |d sigma| dx / max_t int |sigma| dx`. It is computed from the run without the effect, to first order: it
+//! includes the direct contribution of the effect, not its consequences. A change of the outcome (the bar fractures)
+//! counts as 1.
 //!
-//! Some hundred places are looked at some sixty times a run, and only once something has yielded: that is cheap beside the
-//! stepping. Tensile strains, which can be largest in a cell alone, are those of every cell. What each effect makes of a look is in a file of its own.
+//! The state is sampled at about 128 places, [`LOOKS`] times per run, and only after some section has yielded, which is
+//! cheap compared with the stepping. Tensile strains can be largest in a single cell and are therefore read in every
+//! cell. The evaluation of each effect is in a file of its own.
 
 mod finding;
 mod heat;
@@ -39,10 +41,10 @@ use crate::bar::{Bar, EndCondition};
 use crate::material::Material;
 use crate::snapshot::{self, Snapshot, pack, unpack};
 
-/// Looks at the bar over a run.
+/// Number of times that the bar is sampled during a run.
 pub const LOOKS: usize = 64;
 
-/// Effects that are off. The others get no row.
+/// Effects that are off. Effects that are on get no row.
 #[derive(Debug, Clone, Copy, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "one field per key of the scene")]
 pub struct Off {
@@ -61,9 +63,9 @@ pub struct Off {
 /// Data of a run for the audit, known before it starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Case<'a> {
-    /// The bar.
+    /// Bar of the run.
     pub bar: &'a Bar,
-    /// Its boundary conditions.
+    /// Boundary conditions of the left and the right end.
     pub ends: [&'a EndCondition; 2],
     /// End time, s.
     pub until: f64,
@@ -71,13 +73,13 @@ pub struct Case<'a> {
     pub tolerance: f64,
     /// Effects that are off.
     pub off: Off,
-    /// The bar is twisted: no method simulates heat and rupture then.
+    /// True if the bar is twisted: heat and rupture are not simulated in torsion.
     pub torsion: bool,
-    /// Cells of the grid; none where there is none.
+    /// Number of cells of the grid; `None` without a grid.
     pub cells: Option<usize>,
 }
 
-/// Estimates the effects that a run neglects.
+/// Estimates of the effects that a run neglects.
 #[derive(Debug)]
 pub struct Audit {
     off: Off,
@@ -87,7 +89,7 @@ pub struct Audit {
     places: Places,
     now: Reading,
     looked: bool,
-    /// Largest int |sigma| dx of all looks, Pa m.
+    /// Largest int |sigma| dx of all samples, Pa m.
     peak: f64,
     unloading: Unloading,
     heat: Heat,
@@ -97,12 +99,12 @@ pub struct Audit {
     lateral: AuditRow,
 }
 
-/// What one look sees at every place.
+/// State at every place at one sampling time.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Reading {
-    /// s.
+    /// Time of the sample, s.
     time: f64,
-    /// Since the last look (or the start), s.
+    /// Time since the previous sample (or the start), s.
     lapse: f64,
     stress: Vec<f64>,
     strain: Vec<f64>,
@@ -111,7 +113,7 @@ struct Reading {
 }
 
 impl Audit {
-    /// The audit of a bar at t = 0.
+    /// Creates the audit of a bar at t = 0.
     pub fn new(case: &Case<'_>) -> Self {
         let materials: Vec<Arc<Material>> = case.bar.segments.iter().map(|s| Arc::clone(&s.material)).collect();
         let places = Places::new(case.bar);
@@ -135,19 +137,19 @@ impl Audit {
         }
     }
 
-    /// Sampling points, m, increasing.
+    /// Returns the sampling places, m, increasing.
     pub fn places(&self) -> &[f64] {
         &self.places.x
     }
 
-    /// Looks at a bar in which something has yielded; `at` are [`Audit::places`] as the bar reads them.
+    /// Samples a bar in which some section has yielded; `at` are [`Audit::places`] in the form in which the bar reads them.
     pub fn look<V: View>(&mut self, bar: &V, at: &V::Places) {
         let now = &mut self.now;
         (now.lapse, now.time) = (bar.time() - now.time, bar.time());
         bar.sample(Field::Stress, at, &mut now.stress);
         bar.sample(Field::Strain, at, &mut now.strain);
         if self.off.unloading {
-            // The curve is followed both ways: what is not elastic is all there is.
+            // Unloading follows the curve: the plastic strain is the part of the strain that is not elastic.
             for (k, plastic) in now.plastic.iter_mut().enumerate() {
                 let elastic = now.stress[k] / self.materials[self.places.segment[k]].modulus;
                 *plastic = (now.strain[k] - elastic).abs();
@@ -178,7 +180,7 @@ impl Audit {
         }
     }
 
-    /// One row for each effect that was off; `broken` are the rows of fractures.
+    /// Returns one row for each effect that was off; `broken` are the rows of fractures.
     pub fn rows(&self, broken: Vec<AuditRow>) -> Vec<AuditRow> {
         let row = |effect: &str, find: &dyn Fn() -> Finding| {
             let finding = if self.looked { find() } else { Finding::nothing("the bar stays elastic") };

@@ -1,22 +1,22 @@
-//! Sampling points of the audit.
+//! Sampling places of the audit.
 
 use crate::bar::Bar;
 use crate::units::{Dimension, System, format};
 
-/// Places over the whole bar, and the fewest in a segment (fewer where segments are many).
+/// Number of places over the whole bar, and the smallest number in a segment (smaller if there are many segments).
 const PLACES: usize = 128;
 const FEWEST: usize = 8;
 
 /// Places on the bar, evenly spaced in each segment.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    /// m, increasing.
+    /// Positions, m, increasing.
     pub x: Vec<f64>,
-    /// Which segment each is in.
+    /// Index of the segment of each place.
     pub segment: Vec<usize>,
-    /// Length of bar represented by each, m.
+    /// Length of bar represented by each place, m.
     pub weight: Vec<f64>,
-    /// Accumulated plastic strain at t = 0.
+    /// Accumulated plastic strain of each place at t = 0.
     pub at_start: Vec<f64>,
 }
 
@@ -38,18 +38,18 @@ impl Places {
         places
     }
 
-    /// Of a value at every place over the bar, times m.
+    /// Returns the integral over the bar of a quantity given at every place, in its unit times m.
     pub fn integral(&self, values: &[f64]) -> f64 {
         values.iter().zip(&self.weight).map(|(value, weight)| weight * value).sum()
     }
 
-    /// A time (s) and a place, for messages.
+    /// Formats a time (s) and a place for messages.
     pub fn moment(&self, time: f64, place: usize) -> String {
         moment(time, self.x[place])
     }
 }
 
-/// A time (s) and a place (m), for messages.
+/// Formats a time (s) and a position (m) for messages.
 pub(super) fn moment(time: f64, x: f64) -> String {
     let [time, x] = [(time, Dimension::Time), (x, Dimension::Length)].map(|(value, of)| format(value, of, System::Si));
     std::format!("t = {time}, x = {x}")

@@ -1,16 +1,17 @@
 //! Neglected rate dependence, estimated from the plastic strain rates of the run.
 //!
-//! The rate is the plastic strain that a place gains between two looks, over the time between them: 1/64 of the run. A
-//! fan that takes longer to pass has this rate; a front that is a jump has none of its own (on a grid it has the grid's),
-//! and then this is the mean over a time in which a wave crosses a sixty-fourth of its way. What the estimate needs is not
-//! more: by Malvern's law the overstress of a passing front, added up over time, is `E d eps_p/k` however short it is; by
-//! the others it grows with the logarithm or a small power of the rate. Between looks the overstress of a place relaxes as
-//! the law has it at constant strain. Under a load that lasts strain is not constant: waves from the loaded end keep the place flowing, so that
-//! the overstress is at least that of the mean rate since the place yielded.
+//! The rate is the plastic strain that a place gains between two samples, over the time between them: 1/64 of the run.
+//! A fan that takes longer to pass has this rate. A front that is a discontinuity has no rate of its own (on a grid it
+//! has that of the grid); the rate is then a mean over the time in which a wave travels 1/64 of its total distance. The
+//! estimate needs no more detail: by Malvern's law the overstress of a passing front, integrated over time, is
+//! `E d eps_p/k` however short the front is; by the other laws it grows with the logarithm or a small power of the
+//! rate. Between samples the overstress of a place relaxes as the law predicts at constant strain. Under a lasting load
+//! the strain is not constant: waves from the loaded end keep the place flowing, so that the overstress is at least
+//! that of the mean rate since the place yielded.
 //!
-//! Ahead of the plastic waves a bar that flows at once is at its elastic limit and does not flow. With a rate the wave in front
-//! carries more there: the overstress of its own strain rate, which relaxes. It is never more than the stress of the largest plastic strain in the bar,
-//! were that elastic.
+//! Without rate dependence, the bar ahead of the plastic waves is at its elastic limit and does not flow. With rate
+//! dependence the elastic precursor carries a larger stress there: the overstress of its own strain rate, which
+//! relaxes. It never exceeds the elastic stress of the largest plastic strain in the bar.
 
 use std::sync::Arc;
 
@@ -23,29 +24,31 @@ use super::{AuditRow, Reading};
 use crate::law::rate::{Driven, Overstress};
 use crate::material::{Material, Rate, Sense};
 
-/// Part of its largest stress down to which a place counts as loaded, and part of its elastic limit from which it counts as having come to it.
+/// Fraction of its largest stress down to which a place counts as loaded, and fraction of the elastic limit from which
+/// it counts as having reached it.
 const LOADED: f64 = 0.9;
 const AT_LIMIT: f64 = 0.99;
 
-/// Plastic strain that counts as flow, as a part of what the place has gained: less is ripples and rounding.
+/// Smallest gain of plastic strain that counts as flow, relative to the plastic strain of the place: smaller gains are
+/// numerical oscillations and rounding.
 const FLOWED: f64 = 1e-3;
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct RateRise {
-    /// By segment; none where the material states no rate.
+    /// Media of each segment; `None` if the material states no rate dependence.
     #[serde(skip)]
     pub(super) media: Vec<Option<Medium>>,
     places: Vec<Place>,
-    /// Largest plastic strain in the bar so far, times Young's modulus, Pa.
+    /// Largest plastic strain in the bar so far times Young's modulus, Pa.
     elastic: f64,
     spread: Spread,
-    /// Largest of all looks, Pa m.
+    /// Largest change of all samples, Pa m.
     change: f64,
-    /// Highest rate: 1/s, rise of the flow stress, time, place.
+    /// Highest plastic strain rate: rate (1/s), relative rise of the flow stress, time (s), place.
     quickest: Option<(f64, f64, f64, usize)>,
 }
 
-/// A material whose flow takes time.
+/// Constants of a rate-dependent material.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Medium {
     law: Overstress,
@@ -62,12 +65,12 @@ impl Medium {
     }
 }
 
-/// What a place does from one look to the next.
+/// State of a place at a sample.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    /// s.
+    /// Time of the sample, s.
     time: f64,
-    /// s.
+    /// Time since the previous sample, s.
     lapse: f64,
     stress: f64,
     plastic: f64,
@@ -75,17 +78,17 @@ struct Step {
 
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Place {
-    /// When it yielded, s, at the look before.
+    /// Time of the sample before the place yielded, s.
     yielded: Option<f64>,
     plastic: f64,
-    /// Pa.
+    /// Overstress, Pa.
     overstress: f64,
-    /// Largest static stress so far, Pa.
+    /// Largest quasi-static stress so far, Pa.
     flow: f64,
 }
 
 impl Place {
-    /// Goes on by one look; returns the plastic strain rate, 1/s.
+    /// Advances the overstress of the place by one sample; returns the plastic strain rate, 1/s.
     fn look(&mut self, medium: &Medium, step: Step) -> f64 {
         let Medium { law, modulus, limits } = *medium;
         let Step { time, lapse, stress, plastic } = step;
@@ -157,7 +160,8 @@ impl RateRise {
     }
 }
 
-/// Flow by Malvern's law with a relaxation time below the time step: the net, not the material, then determines the width of fronts.
+/// Returns the row for Malvern's law with a relaxation time below the time step, when the grid and not the material
+/// determines the width of fronts; `None` if the relaxation is resolved.
 pub fn unresolved_flow(k: f64, dt: f64) -> Option<AuditRow> {
     let k_dt = k * dt;
     (k_dt > 1.0).then(|| AuditRow {

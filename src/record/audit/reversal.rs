@@ -1,9 +1,10 @@
 //! Reversed plastic flow after a large strain, for which engineering measures are inaccurate.
 //!
-//! Hardening is kept in engineering measures: a point that was compressed to the plastic strain p flows in tension from the
-//! engineering stress of the tension curve at p on, which belongs to the section of a specimen that was stretched. On the section
-//! that it has, the stress of isotropic hardening is the compressive one that it has just carried (one true stress, one section),
-//! and likewise mirrored. Where one curve serves both senses the two agree, and nothing is to be said.
+//! Hardening is computed in engineering measures: a point that was compressed to the plastic strain p yields in tension
+//! at the engineering stress of the tension curve at p, which refers to the section of a specimen that was stretched.
+//! On the actual section, the stress of isotropic hardening is the compressive stress that the point has just carried
+//! (equal true stress, equal section). The same holds for tension followed by compression. If one curve serves both
+//! senses the two stresses agree, and nothing is reported.
 
 use super::AuditRow;
 use crate::law::Table;
@@ -11,20 +12,20 @@ use crate::law::rate::Hardening;
 use crate::material::{Loading, Material, Sense};
 use crate::units::{Dimension, System, format};
 
-/// Engineering plastic strain before the reversal from which on the change of the section is worth a note.
+/// Engineering plastic strain before the reversal from which the change of the section is significant.
 const LARGE: f64 = 0.1;
 
-/// Part of the plastic strain that must have gone back before a place counts as reversed.
+/// Fraction of the plastic strain that must have been reversed before a place counts as reversed.
 const WENT_BACK: f64 = 1e-6;
 
-/// The flow stresses at a reversal.
+/// Flow stresses at a reversal.
 #[derive(Debug, Clone, Copy)]
 struct Reversal {
-    /// Of the flow before it.
+    /// Sense of the flow before the reversal.
     sense: Sense,
-    /// Plastic strain by it.
+    /// Magnitude of the plastic strain in this sense.
     strain: f64,
-    /// Stress that it had come to, and at which the point flows back, Pa.
+    /// Flow stress before the reversal, and flow stress of the reversed flow, Pa, magnitudes.
     stress: [f64; 2],
 }
 
@@ -34,8 +35,8 @@ impl Reversal {
     }
 }
 
-/// A material some of whose places (accumulated and signed plastic strains) flowed back after a large strain, where that makes
-/// more of a difference to their flow stress than `tolerance`.
+/// Returns the row for a material of which some places (accumulated and signed plastic strains) yielded in reverse
+/// after a large strain; `None` unless the reversal changes their flow stress by more than the fraction `tolerance`.
 pub fn reversed_flow(
     material: &Material,
     places: impl Iterator<Item = (f64, f64)>,
@@ -70,7 +71,8 @@ pub fn reversed_flow(
     })
 }
 
-/// Of a place that flowed first in the sense in which it flowed more.
+/// Returns the reversal of a place, which is assumed to have yielded first in the sense in which it yielded more;
+/// `None` if the strain was small or not reversed.
 fn reversal(hardening: &[Hardening; 2], modulus: f64, accumulated: f64, signed: f64) -> Option<Reversal> {
     let (sense, strain) = (Sense::of(signed), 0.5 * (accumulated + signed.abs()));
     if strain < LARGE || accumulated - strain <= WENT_BACK * accumulated {

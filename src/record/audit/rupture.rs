@@ -1,5 +1,5 @@
-//! Fracture that a run did not simulate: strain above the fracture strain, impacts above the critical velocity. It changes the outcome:
-//! the estimate is 1.
+//! Fracture that a run did not simulate: strain above the fracture strain, impacts above the critical velocity. It
+//! changes the outcome, so that the estimate is 1.
 
 use std::sync::Arc;
 
@@ -15,37 +15,37 @@ use crate::material::{Loading, Material, Sense, UltimateReason};
 use crate::solver::fd::{CELLS_TO_BREAK, NEAR_END, OVERSHOOT, Unresolved};
 use crate::units::{Dimension, System, format};
 
-/// A share of the critical strain from here on counts as all of it: what is missing is rounding.
+/// Fraction of the critical strain from which it counts as reached; the difference from 1 is rounding.
 const REACHED: f64 = 1.0 - 1e-12;
 
-/// What is true past the largest stress of a curve without rate dependence.
+/// Warning about strains past the largest stress of a curve without rate dependence.
 const LOCALIZES: &str = "; past the largest stress of its curve the strain localizes, and without rate dependence the largest strain and the \
                          width of that zone depend on the cell size";
 
-/// The largest tensile strain against the critical one, of every cell, or of all that lies between fronts.
+/// Largest ratio of tensile strain to critical strain, over every cell or over all sections between fronts.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct TensileStrain {
     largest: Option<Largest>,
-    /// Right end (m) and critical strain of each segment, which can be simulated in pieces; infinite where it is not known.
+    /// Right end (m) and critical strain of each segment of the scene, which can be simulated in pieces. The strain is infinite if it is not known.
     critical: Vec<(f64, f64)>,
-    /// Cells of a grid at whose ends the scheme may put too much strain.
+    /// Number of cells of a grid in whose end cells the scheme may overestimate the strain; `None` otherwise.
     cells: Option<usize>,
 }
 
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Largest {
-    /// Of the critical strain.
+    /// Strain relative to the critical strain.
     share: f64,
     strain: f64,
-    /// s.
+    /// Time, s.
     time: f64,
     segment: usize,
-    /// m.
+    /// Position, m.
     x: f64,
 }
 
 impl TensileStrain {
-    /// `cells` of a grid on which plastic strain takes no time.
+    /// Creates the record; `cells` is the number of cells of a grid on which plastic flow is not rate-dependent.
     pub fn new(bar: &Bar, cells: Option<usize>) -> Self {
         let mut end = 0.0;
         let critical = |segment: &Segment| {
@@ -72,7 +72,7 @@ impl TensileStrain {
         });
     }
 
-    /// `rate`: plastic flow depends on the strain rate, which gives a localized zone its width.
+    /// Returns the finding; `rate` is true if plastic flow depends on the strain rate, which determines the width of a localized zone.
     pub fn finding(&self, materials: &[Arc<Material>], rate: bool) -> Finding {
         let Some(Largest { share, strain, time, segment, x }) = self.largest else {
             let known = materials.iter().any(|m| m.branch(Sense::Tension).ultimate().is_some());
@@ -103,7 +103,8 @@ fn broken(finding: String) -> AuditRow {
     AuditRow { effect: "rupture".into(), estimate: DECISIVE, threshold: DECISIVE, finding, ..AuditRow::default() }
 }
 
-/// A load beyond what the curve carries, seen before the first step: an impact above the critical velocity, or a stress above the ultimate one.
+/// Returns the row of a load that exceeds what the curve carries, known before the first step: an impact above the
+/// critical velocity, or a stress above the ultimate stress. `None` if the load does not exceed it.
 pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_velocity: f64) -> Option<AuditRow> {
     let fan = initial_fan;
     fan.fan.above_critical.then(|| {
@@ -120,7 +121,7 @@ pub fn above_critical(initial_fan: &InitialFan, material: &Material, critical_ve
     })
 }
 
-/// What becomes of a place where the strain localizes, and of the run.
+/// Describes the consequences of localized strain for the place and for the run.
 fn localizes(material: &Material, sense: Sense, when: &str, end: &str) -> String {
     let fails = match (material.loading, sense) {
         (Loading::Shear, _) => "the shear strain localizes and the bar fractures there",
@@ -131,7 +132,7 @@ fn localizes(material: &Material, sense: Sense, when: &str, end: &str) -> String
     std::format!("; {fails}{when}; the run continues with the{end} stress held at the ultimate stress")
 }
 
-/// A place that broke at the end of its material's data for one sense.
+/// Returns the row of a place whose strain exceeded the data of its material in one sense.
 pub fn past_data(sense: Sense, time: f64, x: f64, material: &Material) -> AuditRow {
     let finding = std::format!(
         "the strain exceeded the end of the data of {} ({:.4}) at t = {}, x = {}; the run continued at the largest stress of \
@@ -144,7 +145,7 @@ pub fn past_data(sense: Sense, time: f64, x: f64, material: &Material) -> AuditR
     broken(finding)
 }
 
-/// An end that was driven beyond what the curve can carry away in this sense, at some time after the start.
+/// Returns the row of an end that exceeded the critical velocity in this sense at some time after the start.
 pub fn broken_end(end: &str, time: f64, material: &Material, sense: Sense) -> AuditRow {
     let exceeds = std::format!(
         "from t = {} on, the velocity of the {end} end exceeds the critical velocity of {}",
@@ -154,7 +155,7 @@ pub fn broken_end(end: &str, time: f64, material: &Material, sense: Sense) -> Au
     broken(exceeds + &localizes(material, sense, "", " end"))
 }
 
-/// A point inside the bar at which the curve is at its largest stress while its two sides continue to separate or approach.
+/// Returns the row of a point inside the bar at which the curve is at its largest stress while its two sides continue to separate or approach.
 pub fn broken_inside(time: f64, x: f64, material: &Material, sense: Sense) -> AuditRow {
     let reached = std::format!(
         "from t = {} on, waves that met at x = {} have brought {} to its ultimate stress",
@@ -165,7 +166,7 @@ pub fn broken_inside(time: f64, x: f64, material: &Material, sense: Sense) -> Au
     broken(reached + &localizes(material, sense, "", ""))
 }
 
-/// A tension above the fracture criterion over fewer cells than needed for fracture on a grid.
+/// Returns the row of a tension above the fracture criterion over fewer cells than are needed for fracture on a grid.
 pub fn short_tension(unresolved: &Unresolved) -> AuditRow {
     let finding = std::format!(
         "the fracture criterion was exceeded by a factor of {:.2} at x = {} (t = {}) over fewer than {CELLS_TO_BREAK} cells; \
@@ -177,10 +178,11 @@ pub fn short_tension(unresolved: &Unresolved) -> AuditRow {
     AuditRow { remedy: "Use more cells, or `method = \"moc\"`".into(), ..broken(finding) }
 }
 
-/// Part of a strain by which it is that of an elastic place.
+/// Relative difference from the elastic strain up to which a place counts as elastic.
 const SAME_STRAIN: f64 = 1e-6;
 
-/// A grid fractures sections that have not yielded some steps late. None where the first fracture is another one, in a material of this modulus (Pa).
+/// Returns the row of a first fracture in a section that has not yielded, which a grid simulates some steps late;
+/// `None` if the section has yielded. `modulus` is that of its material, Pa.
 pub fn late_fracture(first: &Rupture, modulus: f64) -> Option<AuditRow> {
     let is_elastic = (modulus * first.strain - first.stress).abs() <= SAME_STRAIN * first.stress;
     let finding = std::format!(
@@ -192,7 +194,7 @@ pub fn late_fracture(first: &Rupture, modulus: f64) -> Option<AuditRow> {
     is_elastic.then(|| broken(finding))
 }
 
-/// Why a run stops that has reached a limit of what its law knows, and what to do.
+/// Returns the reason for which a run stops at a limit of the data of its material, and the remedy.
 pub fn at_limit(reached: &Reached, material: &Material) -> (String, &'static str) {
     match reached.limit {
         Limit::EndOfData(sense) | Limit::EndOfDataReversed(sense) => (

@@ -1,6 +1,7 @@
-//! A change of the stress spreads when the place is unloaded. While a load lasts, a stress that an effect changed by d sigma where the bar flows
-//! changes the impulse that passes there by `A int d sigma dt`. The unloading wave runs at c0 and carries that difference out of
-//! the flowed part: over the bar it makes up `int |d sigma| dx = c0 int d sigma dt`, in a wave that is no higher than d sigma and no longer than the bar.
+//! Spreading of a stress change by unloading. While a load lasts, a stress that an effect changes by d sigma in the
+//! flowing part of the bar changes the impulse that passes there by `A int d sigma dt`. The unloading wave travels at
+//! c0 and carries this difference out of the flowing part. Over the bar it amounts to
+//! `int |d sigma| dx = c0 int d sigma dt`, in a wave that is no higher than d sigma and no longer than the bar.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,19 +12,19 @@ use crate::bar::Bar;
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Spread {
     places: Vec<Place>,
-    /// Of the bar, m.
+    /// Length of the bar, m.
     length: f64,
 }
 
 #[derive(Debug, Default, Clone, Copy, Serialize, Deserialize)]
 struct Place {
-    /// Of elastic waves, m/s.
+    /// Elastic wave speed, m/s.
     speed: f64,
     /// Largest magnitude of the stress so far, Pa.
     peak: f64,
-    /// Largest change so far, Pa.
+    /// Largest change of the stress so far, Pa.
     change: f64,
-    /// Change of the impulse per section, Pa s.
+    /// Change of the impulse per area, Pa s.
     impulse: f64,
 }
 
@@ -34,7 +35,7 @@ impl Spread {
         Self { places: places.segment.iter().map(place).collect(), length: bar.length() }
     }
 
-    /// Takes in the change of the stress of every place (Pa); what unloading has spread of them over the bar, Pa m.
+    /// Adds the change of the stress of every place (Pa). Returns the largest L1 change that unloading has spread over the bar, Pa m.
     pub fn look(&mut self, now: &Reading, changes: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
         for (k, place) in self.places.iter_mut().enumerate() {

@@ -1,9 +1,9 @@
 //! Neglected elastic unloading, estimated from yielded sections that unload along the loading curve.
 //!
-//! Going back along the curve, a stress drop d sigma with the strain drop d eps runs at `c = sqrt(d sigma/(rho d eps))`;
-//! elastic unloading would have carried it at c0, and so c0/c times as far. The stretch that it misses is c0/c - 1 times
-//! the one that has gone back: `(c0/c - 1) d sigma = sqrt(E d eps d sigma) - d sigma` for each length of that, but no more
-//! than the stress that the rest of the bar still holds.
+//! Along the curve, a stress drop d sigma with the strain drop d eps travels at `c = sqrt(d sigma/(rho d eps))`;
+//! elastic unloading would have carried it at c0, and thus c0/c times as far. The length that it has not reached is
+//! c0/c - 1 times the length that has unloaded. The change is `(c0/c - 1) d sigma = sqrt(E d eps d sigma) - d sigma`
+//! per unloaded length, and at most the integral of the stress over the rest of the bar.
 
 use std::sync::Arc;
 
@@ -15,26 +15,26 @@ use super::places::Places;
 use crate::material::{Material, Sense};
 use crate::units::{Dimension, System, format};
 
-/// Share of its largest strain by which a yielded place must go back before it counts as unloaded: the ripples of the
-/// scheme stay below it but for a few cells next to a struck end.
+/// Fraction of its largest strain by which a yielded place must unload before it counts as unloaded. The oscillations
+/// of the scheme are smaller, except in a few cells next to a struck end.
 const UNLOADED_BY: f64 = 0.02;
 
-/// Cells that must have gone back side by side, for the same reason.
+/// Number of adjacent cells that must have unloaded, for the same reason.
 const CELLS_TOGETHER: usize = 8;
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Unloading {
     /// Elastic limit strain of each place in tension and in compression.
     limit: Vec<[f64; 2]>,
-    /// Strain of largest size so far, signed, and the size of the stress there.
+    /// Signed strain of largest magnitude so far, and the magnitude of the stress at that time, Pa.
     largest: Vec<(f64, f64)>,
     unloaded: Vec<bool>,
-    /// Time and place of the first.
+    /// Time (s) and place of the first unloading.
     first: Option<(f64, usize)>,
     worst: f64,
-    /// Largest of all looks, Pa m.
+    /// Largest change of all samples, Pa m.
     change: f64,
-    /// Places that must have gone back side by side.
+    /// Number of adjacent places that must have unloaded.
     together: usize,
 }
 
@@ -76,7 +76,7 @@ impl Unloading {
         self.change = self.change.max(change.min(held));
     }
 
-    /// Updates the strain of a point; true if it has yielded and unloaded since.
+    /// Updates the largest strain of a place; returns true if the place has yielded and unloaded since.
     fn went_back(&mut self, k: usize, now: &Reading) -> bool {
         let (strain, stress) = (now.strain[k], now.stress[k]);
         if strain.abs() > self.largest[k].0.abs() {

@@ -1,43 +1,45 @@
 //! Results at ends and joints: forces, contact, and rebound velocities.
 //!
-//! A body is a part of the bar between joints that can open. Its velocity after contact is its momentum over its mass at the end of the run.
-//! This is the velocity since its last contact if no force acts on it any more: both its faces are free by then, and nothing acts along it.
+//! A body is a part of the bar between joints that can open. Its velocity after contact is its momentum over its mass
+//! at the end of the run. This equals its velocity since its last contact if no force acts on it any more: both its
+//! faces are free by then, and no force is distributed along it.
 
 use super::records::{Records, SegmentEnd};
 use super::tally::Load;
 use crate::bar::{EndCondition, Joint, Segment};
 use crate::record::ContactReading;
 
-/// Of all momentum that has gone through the bar.
+/// Fraction of the momentum transferred through the bar up to which an impulse is attributed to rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Time in contact.
+/// Duration and end of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ContactTime {
-    /// s.
+    /// Total time under force, s.
     pub duration: f64,
-    /// s; none while the contact lasts, and where there was none.
+    /// Time of release, s; `None` while the contact lasts, and if there was no contact.
     pub released: Option<f64>,
 }
 
-/// An end or a joint.
+/// Results at an end or a joint.
 #[derive(Debug)]
 pub(super) struct Site {
     pub load: Load,
-    /// m^2; none where the scene gives none, and in torsion.
+    /// Cross-section, m^2; `None` if the scene gives none, and in torsion.
     pub area: Option<f64>,
-    /// Torque over stress at the surface, m^3; none in axial bars.
+    /// Ratio of torque to surface stress, m^3; `None` in axial bars.
     pub torque_per_stress: Option<f64>,
-    /// Radius of the surface, m; none in axial bars.
+    /// Radius of the surface, m; `None` in axial bars.
     pub radius: Option<f64>,
-    /// N s in +x (in torsion that of the surface), on what is right of the joint, or on the bar; none where it is not known.
+    /// Impulse on the part to the right of the joint, or on the bar at an end, N s, positive in +x (in torsion referred
+    /// to the surface); `None` if it is not known.
     pub impulse: Option<f64>,
-    /// None where nothing can part.
+    /// Contact; `None` if the faces cannot separate.
     pub contact: Option<ContactTime>,
     pub restitution: Option<f64>,
-    /// m/s.
+    /// Velocity of the striker after its last contact, m/s.
     pub striker_after: Option<f64>,
-    /// Of the bodies on the left and on the right, m/s.
+    /// Velocities after contact of the bodies on the left and on the right, m/s.
     pub bodies_after: [Option<f64>; 2],
 }
 
@@ -50,21 +52,21 @@ struct Motion {
 
 const AT_REST: Motion = Motion { before: 0.0, after: 0.0 };
 
-/// A face of a body: an end (0, 1), or a joint that can open.
+/// Face of a body: an end (0 left, 1 right), or a joint that can open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Face {
     End(usize),
     Joint(usize),
 }
 
-/// A part of the bar between joints that can open, with its faces.
+/// Part of the bar between joints that can open, with its faces.
 struct Body {
     faces: [Face; 2],
     before: f64,
     at_end: f64,
 }
 
-/// Both ends, and the joints from left to right.
+/// Computes the results at both ends, and at the joints from left to right.
 pub(super) fn sites(records: &Records<'_>) -> ([Site; 2], Vec<Site>) {
     let bodies = bodies(records);
     let ends = [0, 1].map(|side| end(records, &bodies, side));
@@ -111,16 +113,16 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
     let mut load = records.tally.joints[k];
     let mut area = records.joint_areas[k];
     if let Some(ContactReading { pressed, .. }) = records.pressed(k) {
-        // The force between the faces themselves, N.
+        // Force between the faces themselves, N.
         load.peak.largest.value = 0.0 - pressed.peak;
         load.peak.largest.at = pressed.time_of_peak;
         area = 1.0;
     } else {
-        // A front that breaks the joint leaves no stress of the joint behind.
+        // A front that fractures the joint leaves no joint stress behind it.
         let broken = records.breaks[k];
         load.peak.largest.add(broken.at, broken.value / area);
         if let Some(ContactReading { pressed, .. }) = records.faces(k) {
-            // Its times count from the break on.
+            // The times of the contact count from the fracture on.
             load.peak.largest.add(broken.at + pressed.time_of_peak, -pressed.peak / area);
         }
     }
@@ -137,25 +139,26 @@ fn joint(records: &Records<'_>, bodies: &[Body], k: usize) -> Site {
     }
 }
 
-/// Impulse across the joint behind segment k on what is right of it, by the balance of momentum of what is left of it.
+/// Returns the impulse across the joint behind segment `k` on the part to its right, from the momentum balance of the
+/// part to its left; `None` if distributed forces act.
 fn impulse_across(records: &Records<'_>, k: usize) -> Option<f64> {
     let gained = |(end, segment): (&SegmentEnd, &Segment)| end.momentum - end.mass * segment.velocity;
     let gained: f64 = records.segments.iter().zip(&records.bar.segments).take(k + 1).map(gained).sum();
     let across = records.account.impulse[0] - gained;
-    // What is left of parts that cancel is rounding.
+    // The remainder of contributions that cancel is rounding.
     let held: f64 = records.segments.iter().map(|end| end.momentum.abs()).sum();
     let rounding = ROUNDING * records.account.momentum_scale.max(held);
     records.is_pushed_at_faces_only().then_some(if across.abs() > rounding { across } else { 0.0 })
 }
 
-/// Relative velocity of separation over that of approach of the bodies on the left and on the right.
+/// Returns the relative velocity of separation over that of approach of the bodies on the left and on the right.
 fn restitution([left, right]: [Option<Motion>; 2]) -> Option<f64> {
     let (left, right) = (left?, right?);
     let approach = left.before - right.before;
     (approach > 0.0).then(|| (right.after - left.after) / approach)
 }
 
-/// The wall, striker or ball at an end; none where its motion is not known or its contact lasts.
+/// Returns the motion of the wall, striker or ball at an end; `None` if it is not known or the contact lasts.
 fn outside(records: &Records<'_>, side: usize) -> Option<Motion> {
     contact(records, Face::End(side))?.released?;
     match *records.ends[side] {
@@ -167,7 +170,7 @@ fn outside(records: &Records<'_>, side: usize) -> Option<Motion> {
     }
 }
 
-/// Time in contact at a face; none where nothing can part.
+/// Returns the contact of a face; `None` if the face cannot separate.
 fn contact(records: &Records<'_>, face: Face) -> Option<ContactTime> {
     let of = |load: &Load| ContactTime {
         duration: load.duration,
@@ -195,19 +198,19 @@ fn contact(records: &Records<'_>, face: Face) -> Option<ContactTime> {
     }
 }
 
-/// No other face of a body has carried force, but for a support.
+/// Returns true if no other face of the body has carried a force; a fixed or absorbing far end is allowed.
 fn touches_only(records: &Records<'_>, body: &Body, face: Face) -> bool {
     let other = if body.faces[0] == face { body.faces[1] } else { body.faces[0] };
     records.held_beyond(body, face).is_some()
         || contact(records, other).map_or_else(|| is_free(records, other), |contact| contact.duration == 0.0)
 }
 
-/// Nothing is there.
+/// Returns true if the face is a free end.
 fn is_free(records: &Records<'_>, face: Face) -> bool {
     matches!(face, Face::End(side) if matches!(records.ends[side], EndCondition::Free))
 }
 
-/// The motion of a body which nothing touches at the end of the run.
+/// Returns the motion of a body that has been in contact and that nothing touches at the end of the run; `None` for other bodies.
 fn motion(records: &Records<'_>, body: &Body) -> Option<Motion> {
     let contacts = body.faces.map(|face| contact(records, face));
     let free = |k: usize| match contacts[k] {
@@ -247,32 +250,33 @@ impl Records<'_> {
         self.twisted.as_ref().map(|twisted| twisted.torque_per_stress[segment])
     }
 
-    /// Of the surface of a bar in torsion, m.
+    /// Returns the radius of the surface of a bar in torsion, m.
     pub(super) fn radius(&self) -> Option<f64> {
         self.twisted.as_ref().map(|twisted| twisted.radius)
     }
 
-    /// Stresses are those of the surface.
+    /// Returns true if the stresses are those of the surface of a bar in torsion.
     pub(super) fn is_twisted(&self) -> bool {
         self.twisted.is_some()
     }
 
-    /// Nothing acts along the bar, but for rounding.
+    /// Returns true if no distributed forces act along the bar, up to rounding.
     fn is_pushed_at_faces_only(&self) -> bool {
         self.account.impulse_along.abs() <= 1e-9 * self.account.momentum_scale
     }
 
-    /// A joint that the scene lets open, where the solver keeps what its faces carried.
+    /// Returns the contact of a joint that can open in the scene, if the solver records the force on its faces.
     fn pressed(&self, k: usize) -> Option<ContactReading> {
         self.faces(k).filter(|_| self.bar.segments[k].joint != Joint::Bonded)
     }
 
-    /// A joint that can open or has broken, where the solver keeps what its faces carried.
+    /// Returns the contact of a joint that can open or has fractured, if the solver records the force on its faces.
     fn faces(&self, k: usize) -> Option<ContactReading> {
         self.contacts.iter().copied().find(|contact| contact.joint == k)
     }
 
-    /// A body with a fixed far face counts as a body at rest, one with an absorbing far face keeps the velocity with which it starts there.
+    /// Returns the motion that a far end imposes on a body: rest if the end is fixed; if it is absorbing, the initial
+    /// velocity of the bar there, which the body keeps.
     fn held_beyond(&self, body: &Body, face: Face) -> Option<Motion> {
         let other = if body.faces[0] == face { body.faces[1] } else { body.faces[0] };
         let Face::End(side) = other else { return None };

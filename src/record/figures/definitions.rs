@@ -1,5 +1,5 @@
-//! Definitions of all figures. Stresses and forces are positive in tension, impulses and velocities in +x; a figure that does not
-//! exist for a scene is omitted.
+//! Definitions of all figures. Stresses and forces are positive in tension, impulses and velocities in +x. A figure
+//! that does not exist for a scene is omitted.
 
 use super::Figure;
 use super::contact::Site;
@@ -9,20 +9,20 @@ use super::records::{Absorbed, Part};
 use super::tally::Gauge;
 use crate::units::Dimension;
 
-/// A figure of `S`.
+/// Definition of a figure that is computed from an `S`.
 #[derive(Debug)]
 pub struct Definition<S> {
     name: &'static str,
     dimension: Dimension,
     phrase: &'static str,
     description: &'static str,
-    /// SI; none where it does not exist.
+    /// Computes the value in SI units; `None` if the figure does not exist.
     of: fn(&S) -> Option<f64>,
 }
 
-/// Figures of one kind of thing.
+/// Table of definitions for one kind of object.
 pub(super) trait Figured<S> {
-    /// Those that exist.
+    /// Returns the figures that exist.
     fn figures(&self, of: &S) -> Vec<Figure>;
 }
 
@@ -36,7 +36,7 @@ impl<S> Figured<S> for [Definition<S>] {
     }
 }
 
-/// A row of a table below.
+/// Creates a row of one of the tables below.
 const fn row<S>(
     (name, dimension, phrase): (&'static str, Dimension, &'static str),
     description: &'static str,
@@ -45,7 +45,7 @@ const fn row<S>(
     Definition { name, dimension, phrase, description, of }
 }
 
-/// Of the bar, and of each of several segments.
+/// Figures of the bar, and of each segment if there are several.
 pub(super) static PART: &[Definition<Part>] = &[
     row(
         ("largest_plastic_strain", Dimension::None, ""),
@@ -89,7 +89,7 @@ pub(super) static PART: &[Definition<Part>] = &[
     ),
 ];
 
-/// Of the bar alone: the balance of energy is that of the whole.
+/// Figures of the bar alone: the energy balance exists only for the whole bar.
 pub(super) static BAR: &[Definition<Absorbed>] = &[
     row(
         ("energy_absorbed", Dimension::Energy, "energy absorbed"),
@@ -103,14 +103,14 @@ pub(super) static BAR: &[Definition<Absorbed>] = &[
     ),
 ];
 
-/// Name and description of the values along the bar.
+/// Name and description of the profile along the bar.
 pub(super) const RESIDUAL_PROFILE: (&str, &str) = (
     "residual_strain_profile",
     "mean plastic strain in each tenth of the undeformed bar, from the left, at the end of the run; `.0` to `.9` in the table \
      of a sweep",
 );
 
-/// Of both ends and all joints.
+/// Figures of both ends and all joints.
 pub(super) static LOAD: &[Definition<Site>] = &[
     row(
         ("peak_force", Dimension::Force, "peak"),
@@ -169,7 +169,7 @@ pub(super) static LOAD: &[Definition<Site>] = &[
     ),
 ];
 
-/// Of ends.
+/// Figures of the ends.
 pub(super) static END: &[Definition<Site>] = &[
     row(
         ("striker_velocity_after", Dimension::Velocity, "striker velocity"),
@@ -183,7 +183,7 @@ pub(super) static END: &[Definition<Site>] = &[
     ),
 ];
 
-/// Of joints.
+/// Figures of the joints.
 pub(super) static JOINT: &[Definition<Site>] = &[
     row(
         ("left_velocity_after", Dimension::Velocity, "velocity of left part"),
@@ -197,7 +197,7 @@ pub(super) static JOINT: &[Definition<Site>] = &[
     ),
 ];
 
-/// Of the fragments of a broken bar, each with whether the scene gives an area.
+/// Figures of the fragments of a fractured bar, each given with whether the scene states an area.
 pub(super) static FRAGMENT: &[Definition<(Fragment, bool)>] = &[
     row(("position", Dimension::Length, "from x ="), "left end in the undeformed bar", |(fragment, _)| {
         Some(fragment.place[0])
@@ -218,7 +218,7 @@ pub(super) static FRAGMENT: &[Definition<(Fragment, bool)>] = &[
     ),
 ];
 
-/// Of gauges.
+/// Figures of the gauges.
 pub(super) static GAUGE: &[Definition<Gauge>] = &[
     row(("peak_stress", Dimension::Stress, "peak stress"), "stress of largest magnitude with its sign", |gauge| {
         Some(gauge.stress.largest.value)
@@ -236,7 +236,7 @@ pub(super) static GAUGE: &[Definition<Gauge>] = &[
     }),
 ];
 
-/// The names of all figures in the order of their definitions; some are those of several places.
+/// Returns the names of all figures in the order of their definitions; some names occur at several kinds of places.
 pub fn names() -> Vec<&'static str> {
     fn of<S>(table: &[Definition<S>]) -> impl Iterator<Item = &'static str> {
         table.iter().map(|d| d.name)
@@ -251,7 +251,7 @@ pub fn names() -> Vec<&'static str> {
         .collect()
 }
 
-/// Every figure for a reference: its group, JSON key, unit and description.
+/// Returns every figure for the reference page: its group, JSON key, unit and description.
 pub fn definitions() -> Vec<[String; 4]> {
     fn rows<S>(place: &str, table: &[Definition<S>]) -> Vec<[String; 4]> {
         let row = |d: &Definition<S>| {
@@ -278,7 +278,7 @@ pub fn definitions() -> Vec<[String; 4]> {
 mod tests {
     use super::*;
 
-    /// The balance of energy is that of the whole bar, and no segment has a part of it.
+    /// The energy balance exists only for the whole bar, not for its segments.
     #[test]
     fn the_energy_absorbed_is_that_of_the_bar() {
         let places = definitions().into_iter().filter(|[_, key, ..]| key.starts_with("energy_absorbed"));

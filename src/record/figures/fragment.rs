@@ -1,26 +1,26 @@
-//! The pieces into which a bar has broken.
+//! Fragments of a fractured bar.
 
 use crate::law::rupture::Rupture;
 
-/// A piece of a broken bar at the end of a run.
+/// Fragment of a fractured bar at the end of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Fragment {
-    /// Its ends in the undeformed bar, m from the left end.
+    /// Positions of its ends in the undeformed bar, m from the left end.
     pub place: [f64; 2],
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// N s in +x.
+    /// Momentum, N s, positive in +x.
     pub momentum: f64,
-    /// J.
+    /// Kinetic energy, J.
     pub kinetic: f64,
 }
 
-/// The pieces of a broken bar, from the left; none of a whole one.
+/// Fragments of a fractured bar from left to right; empty if the bar is whole.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fragments(Vec<Fragment>);
 
 impl Fragments {
-    /// Of a bar of this length (m), nothing of which is added yet.
+    /// Creates the fragments of a bar of this length (m), with zero mass.
     pub fn new(length: f64, ruptures: &[Rupture]) -> Self {
         let mut borders: Vec<f64> = ruptures.iter().map(|rupture| rupture.x).collect();
         borders.retain(|&x| 0.0 < x && x < length);
@@ -34,7 +34,7 @@ impl Fragments {
         Self(borders.windows(2).map(fragment).collect())
     }
 
-    /// Adds a part of the bar around the place `x` (m), of this mass (kg) and velocity (m/s).
+    /// Adds a part of the bar at the position `x` (m), of this mass (kg) and velocity (m/s), to its fragment.
     pub fn add(&mut self, x: f64, mass: f64, velocity: f64) {
         let k = self.0.partition_point(|fragment| fragment.place[1] <= x);
         if let Some(fragment) = self.0.get_mut(k) {
@@ -44,7 +44,7 @@ impl Fragments {
         }
     }
 
-    /// Each of them.
+    /// Returns all fragments.
     pub fn all(&self) -> &[Fragment] {
         &self.0
     }

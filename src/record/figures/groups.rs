@@ -1,4 +1,4 @@
-//! The figures of a run, place by place.
+//! Grouping of the figures of a run by place.
 
 use super::contact::{Site, sites};
 use super::definitions::{BAR, END, FRAGMENT, Figured, GAUGE, JOINT, LOAD, PART, RESIDUAL_PROFILE};
@@ -6,11 +6,11 @@ use super::records::{Absorbed, Part, Records, SegmentEnd};
 use super::{Figures, Group, Profile};
 use crate::bar::Joint;
 
-/// Most fragments of which summaries tell.
+/// Largest number of fragments that the summary prints.
 const MOST_TOLD: usize = 12;
 
 impl Records<'_> {
-    /// The figures that exist.
+    /// Computes the figures that exist.
     pub fn figures(&self) -> Figures {
         let mut groups = vec![self.whole()];
         let (ends, joints) = sites(self);
@@ -54,7 +54,7 @@ impl Records<'_> {
         };
         let absorbed = Absorbed {
             energy: self.bar.area_given.then_some(absorbed),
-            // The strains of a twisted section differ from its surface's.
+            // The strains within a twisted section differ from those of its surface.
             per_volume: (!self.is_twisted()).then(|| absorbed / volume),
         };
         let figures = [PART.figures(&part), BAR.figures(&absorbed)].concat();
@@ -73,17 +73,18 @@ impl Records<'_> {
     }
 }
 
-/// Undeformed and after elastic unloading, m.
+/// Returns the undeformed length and the length after elastic unloading, m.
 fn lengths(length: f64, end: &SegmentEnd) -> [f64; 2] {
     [length, length + beyond_rounding(end.plastic_elongation, length)]
 }
 
-/// Rotation of the right end against the left one, and after elastic unloading, rad: the surface moves by the radius times it.
+/// Returns the rotation of the right end relative to the left one, at the end of the run and after elastic unloading,
+/// rad. The surface moves by the radius times the rotation.
 fn twist(radius: f64, length: f64, end: &SegmentEnd) -> [f64; 2] {
     [end.elongation, end.plastic_elongation].map(|moved| beyond_rounding(moved, length) / radius)
 }
 
-/// An elongation that is the rounding of a length is none.
+/// Replaces an elongation by 0 if it is within the rounding of the length.
 fn beyond_rounding(elongation: f64, length: f64) -> f64 {
     if elongation.abs() > 1e-11 * length { elongation } else { 0.0 }
 }

@@ -1,7 +1,8 @@
-//! The figures of a run: forces, contact, gauges, residual deformation, energy, rebound.
+//! Figures of a run: forces, contact, gauges, residual deformation, energy, rebound.
 //!
-//! Each figure is one [`Definition`] in `definitions`: its name, dimension, description, and how it follows from the records of a run. The
-//! summary, its JSON, the result file, the table of a sweep and the reference page are made from these.
+//! Each figure is one [`Definition`] in `definitions`: its name, its dimension, its description, and its computation
+//! from the records of a run. The summary, its JSON, the result file, the table of a sweep and the reference page are
+//! made from these definitions.
 
 mod contact;
 mod definitions;
@@ -22,66 +23,66 @@ pub use tally::{Extreme, Tally};
 
 use crate::units::Dimension;
 
-/// The figures of a run, those that exist for its scene.
+/// Figures of a run that exist for its scene.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Figures(pub Vec<Group>);
 
 /// Figures of one place, or of the whole bar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
-    /// Keys that lead to it: none for the whole bar, "left", "joints" and "1", "gauges" and the name of a gauge, ...
+    /// Keys of the path to the group: none for the whole bar; "left"; "joints" and "1"; "gauges" and the name of a gauge; ...
     pub path: Vec<String>,
-    /// For people.
+    /// Label in the printed summary.
     pub label: String,
-    /// It has results worth a line of the summary.
+    /// True if the summary prints a line for the group.
     pub tells: bool,
-    /// In the order of the definitions.
+    /// Figures in the order of their definitions.
     pub figures: Vec<Figure>,
-    /// Values along the bar.
+    /// Profile along the bar, if there is one.
     pub profile: Option<Profile>,
 }
 
-/// Values of one kind along the bar.
+/// Values of one quantity along the bar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
-    /// As in the JSON and in the result file.
+    /// Name in the JSON and in the result file.
     pub name: &'static str,
-    /// For the attribute `long_name`.
+    /// Description for the attribute `long_name`.
     pub description: &'static str,
-    /// Without a unit, from the left.
+    /// Dimensionless values from left to right.
     pub values: Vec<f64>,
 }
 
-/// A figure with its value.
+/// Figure with its value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figure {
-    /// As in the result file.
+    /// Name in the result file.
     pub name: &'static str,
-    /// Its unit.
+    /// Dimension of the value.
     pub dimension: Dimension,
-    /// For the attribute `long_name`.
+    /// Description for the attribute `long_name`.
     pub description: &'static str,
-    /// Text before the value; empty if another line of the summary has it.
+    /// Text before the value in the summary; empty if another line of the summary contains the value.
     pub phrase: &'static str,
-    /// SI.
+    /// Value in SI units.
     pub value: f64,
 }
 
 impl Figure {
-    /// Name with its unit, as in the JSON and in tables: `peak_force_N`.
+    /// Returns the name with its unit, as in the JSON and in tables, e.g. `peak_force_N`.
     pub fn key(&self) -> String {
         key(self.name, self.dimension)
     }
 }
 
-/// A name with its unit.
+/// Returns a name with the unit of a dimension.
 fn key(name: &str, dimension: Dimension) -> String {
     let unit: String = dimension.si_symbol().replace(['*', '/'], "_").replace('^', "");
     if unit.is_empty() { name.to_owned() } else { format!("{name}_{unit}") }
 }
 
-/// The dimension of a figure by its name with the unit (`peak_force_N`, of one of several `torque_N_m.0`): that of the longest unit with which it
-/// ends, and of `N_m` the moment.
+/// Returns the dimension of a figure, given its name with the unit, e.g. `peak_force_N`, or `torque_N_m.0` for one of
+/// several. The longest unit with which the name ends determines it; `N_m` denotes a moment.
 pub fn dimension_of(key_of_figure: &str) -> Dimension {
     let name = key_of_figure.trim_end_matches(|c: char| c.is_ascii_digit());
     let name = name.strip_suffix('.').unwrap_or(key_of_figure);
@@ -95,21 +96,21 @@ pub fn dimension_of(key_of_figure: &str) -> Dimension {
         .unwrap_or(Dimension::None)
 }
 
-/// The name of a figure without its unit.
+/// Returns the name of a figure without its unit.
 pub fn without_unit(key_of_figure: &str) -> &str {
     let ending = key("", dimension_of(key_of_figure));
     key_of_figure.strip_suffix(ending.as_str()).unwrap_or(key_of_figure)
 }
 
 impl Figures {
-    /// A figure by the path of its group and its name, with its unit (`peak_force_N`) or without.
+    /// Returns a figure, given the path of its group and its name with or without the unit, e.g. `peak_force_N`.
     pub fn get(&self, path: &[&str], name: &str) -> Option<f64> {
         let group = self.0.iter().find(|group| group.path == path)?;
         group.figures.iter().find(|figure| figure.name == name || figure.key() == name).map(|figure| figure.value)
     }
 }
 
-/// Groups that have the first parts of their paths in common.
+/// Groups whose paths have the same first `depth` keys.
 struct Level<'a> {
     groups: &'a [Group],
     depth: usize,

@@ -1,9 +1,9 @@
-//! The plastic strain along the bar.
+//! Plastic strain along the bar.
 
-/// Equal parts of the undeformed bar.
+/// Number of equal parts of the undeformed bar.
 const PARTS: usize = 10;
 
-/// Mean plastic strain in equal parts of the undeformed bar, from the left.
+/// Mean plastic strain in equal parts of the undeformed bar, from left to right.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualProfile {
     length: f64,
@@ -12,12 +12,12 @@ pub struct ResidualProfile {
 }
 
 impl ResidualProfile {
-    /// Of a bar of this length, m.
+    /// Creates the profile of a bar of this length (m) without plastic strain.
     pub fn new(length: f64) -> Self {
         Self { length, integrals: [0.0; PARTS] }
     }
 
-    /// Adds a section from one place (m) to another with its plastic strain.
+    /// Adds a section between two positions (m) with its plastic strain.
     pub fn add(&mut self, [from, to]: [f64; 2], strain: f64) {
         let width = self.length / PARTS as f64;
         let part = |x: f64| ((x / width) as usize).min(PARTS - 1);
@@ -28,7 +28,7 @@ impl ResidualProfile {
         }
     }
 
-    /// One mean a part.
+    /// Returns the mean of each part.
     pub fn means(&self) -> Vec<f64> {
         self.integrals.iter().map(|integral| integral * PARTS as f64 / self.length).collect()
     }

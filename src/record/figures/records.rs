@@ -1,22 +1,22 @@
-//! The records from which the figures of a run are computed.
+//! Records from which the figures of a run are computed.
 
 use super::fragment::Fragments;
 use super::tally::{Extreme, Tally};
 use crate::bar::{Bar, EndCondition};
 use crate::record::{Account, ContactReading, Twisted};
 
-/// A segment at the end of a run.
+/// State of a segment at the end of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SegmentEnd {
-    /// Mass with which the solver computes, kg: grids round lengths, see [`crate::solver::fd::Grid::in_whole_steps`].
+    /// Mass with which the solver computes, kg. Grids round the lengths of segments, see [`crate::solver::fd::Grid::in_whole_steps`].
     pub mass: f64,
     /// Elongation, m.
     pub elongation: f64,
-    /// The plastic part of it, m.
+    /// Plastic part of the elongation, m.
     pub plastic_elongation: f64,
-    /// N s in +x.
+    /// Momentum, N s, positive in +x.
     pub momentum: f64,
-    /// Signed plastic strain.
+    /// Signed plastic strain of largest magnitude, and its position, m.
     pub residual: Extreme,
     /// Largest accumulated plastic strain.
     pub accumulated: f64,
@@ -34,55 +34,55 @@ impl SegmentEnd {
     }
 }
 
-/// Everything that figures are computed from.
+/// Records from which the figures are computed.
 #[derive(Debug)]
 pub struct Records<'a> {
-    /// The bar as the scene states it.
+    /// Bar as the scene states it.
     pub bar: &'a Bar,
-    /// Its ends.
+    /// Boundary conditions of its ends.
     pub ends: [&'a EndCondition; 2],
-    /// Of a bar that is twisted, whose stresses are those of its surface: torque over stress of each segment.
+    /// Ratio of torque to surface stress of each segment, for a bar in torsion, whose stresses are those of its surface.
     pub twisted: Option<Twisted>,
-    /// Velocities of bodies at the ends of their own over those with which they move the bar there.
+    /// Ratio of the velocity of the striking body at each end to the velocity that it imposes on the bar there; 1 without a lever.
     pub levers: [f64; 2],
     /// Names of the gauges.
     pub gauges: Vec<&'a str>,
-    /// What the histories came to.
+    /// Peaks and durations collected from the histories.
     pub tally: &'a Tally,
-    /// Sections to which the histories beside joints belong, m^2.
+    /// Cross-section to which the history of each joint refers, m^2.
     pub joint_areas: Vec<f64>,
     /// Mean plastic strain in equal parts of the bar.
     pub residual_profile: &'a [f64],
-    /// The segments at the end.
+    /// States of the segments at the end of the run.
     pub segments: Vec<SegmentEnd>,
-    /// Energies and impulses at the end.
+    /// Energies and impulses at the end of the run.
     pub account: Account,
     /// Joints that can open.
     pub contacts: Vec<ContactReading>,
-    /// Velocities of the strikers at the end, m/s.
+    /// Velocities of the strikers at the end of the run, m/s.
     pub strikers: [Option<f64>; 2],
-    /// The force at which each joint broke, N, with its time; 0 while it holds.
+    /// Force at which each joint fractured, N, and its time, s; 0 while the joint holds.
     pub breaks: Vec<Extreme>,
-    /// The bar broke.
+    /// True if the bar fractured.
     pub broken: bool,
-    /// The pieces that are left of it then, from the left.
+    /// Fragments of the fractured bar from left to right.
     pub fragments: &'a Fragments,
 }
 
-/// A part of the bar, or all of it, at the end.
+/// State of a segment, or of the whole bar, at the end of the run.
 pub(super) struct Part {
-    /// None where the parts are not joined, and in torsion.
+    /// Initial length and length after elastic unloading, m; `None` if the bar has joints that can open, and in torsion.
     pub length: Option<[f64; 2]>,
-    /// Rotation of its right end against the left one, and what is left of it after elastic unloading, rad; none where the parts are not joined,
-    /// and in axial bars.
+    /// Rotation of the right end relative to the left one, at the end of the run and after elastic unloading, rad;
+    /// `None` if the bar has joints that can open, and in axial bars.
     pub twist: Option<[f64; 2]>,
     pub end: SegmentEnd,
 }
 
-/// What the whole bar has absorbed.
+/// Energy absorbed by the whole bar.
 pub(super) struct Absorbed {
-    /// J; none where the scene gives no area.
+    /// Energy, J; `None` if the scene gives no area.
     pub energy: Option<f64>,
-    /// J/m^3; none in torsion.
+    /// Energy per volume, J/m^3; `None` in torsion.
     pub per_volume: Option<f64>,
 }

@@ -1,4 +1,4 @@
-//! Peaks, times and impulses of stress and strain histories, collected while the histories are written.
+//! Peaks of stress and strain histories and times under load, collected while the histories are written.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,24 +6,24 @@ use crate::bar::joint::NO_FORCE;
 use crate::bar::{Bar, SuddenLoad};
 use crate::record::Trace;
 
-/// A value counts as larger than the largest so far if it exceeds it by this part: the ripple of rounding on a constant stress does not
-/// move the time of its peak.
+/// Ratio by which a value must exceed the largest one so far to replace it. Rounding errors of a constant stress thus
+/// do not shift the time of its peak.
 const LARGER: f64 = 1.0 + 1e-9;
 
-/// Stresses up to this part of the modulus are none: what rounding leaves of waves that cancel.
+/// Stress, relative to the modulus, up to which a face counts as unloaded: waves that cancel leave rounding errors.
 const NO_STRESS: f64 = 1e-12;
 
-/// The largest magnitude of a history with its sign, and where or when it was first reached; both 0 at the start.
+/// Value of largest magnitude in a history, with its sign, and the place or time at which it was first reached; both are 0 at the start.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extreme {
-    /// The value.
+    /// Value of largest magnitude.
     pub value: f64,
-    /// Time (s) or place (m).
+    /// Time (s) or place (m) at which it was first reached.
     pub at: f64,
 }
 
 impl Extreme {
-    /// Takes a value at a time or place.
+    /// Adds a value at a time or place.
     pub fn add(&mut self, at: f64, value: f64) {
         if value.abs() > LARGER * self.value.abs() {
             *self = Self { value, at };
@@ -31,19 +31,20 @@ impl Extreme {
     }
 }
 
-/// A stress is no peak of which two steps later less than one part in this is left, where flow takes the elastic stress away within a step: it is that of
-/// the step in which a wave comes to a joint. At a fixed end of steel behind aluminium (Johnson-Cook) it was 110 kN by leapfrog and 100 kN by the net,
-/// for 84 kN from the third step on.
+/// Largest ratio of a stress to that two steps later for which it counts as a peak, if flow removes the elastic stress
+/// within a step. Larger stresses belong to the step in which a wave arrives at a joint: at a fixed end of steel behind
+/// aluminium (Johnson-Cook) they were 110 kN by leapfrog and 100 kN by the net, instead of 84 kN from the third step
+/// on.
 const SPIKE: f64 = 1.05;
 
-/// The largest stress of a history.
+/// Largest stress of a history.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Peak {
-    /// Pa, and when it was first reached, s.
+    /// Stress of largest magnitude, Pa, and the time at which it was first reached, s.
     pub largest: Extreme,
-    /// Rows count only once it is seen that they last, see [`SPIKE`].
+    /// True if a row counts only once the stress is known to last, see [`SPIKE`].
     waits: bool,
-    /// Times (s) and stresses (Pa) of the two latest rows that do not count yet.
+    /// Times (s) and stresses (Pa) of the two latest rows, which do not count yet.
     waiting: [Option<(f64, f64)>; 2],
 }
 
@@ -60,7 +61,7 @@ impl Peak {
         self.waiting = [last, Some((time, stress))];
     }
 
-    /// No more rows come.
+    /// Counts the waiting rows at the end of the history.
     fn close(&mut self) {
         for (time, stress) in std::mem::take(&mut self.waiting).into_iter().flatten() {
             self.largest.add(time, stress);
@@ -68,21 +69,21 @@ impl Peak {
     }
 }
 
-/// What a face carried.
+/// Load that a face has carried.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Load {
-    /// Stress.
+    /// Largest stress.
     pub peak: Peak,
     /// Total time under stress, s.
     pub duration: f64,
-    /// When it was last under stress, s.
+    /// Last time under stress, s.
     pub loaded_until: f64,
-    /// No stress in the last row.
+    /// True if there is no stress in the last row.
     pub is_released: bool,
-    /// Of the last row, s.
+    /// Time of the last row, s.
     pub last_time: f64,
     no_stress: f64,
-    /// A sudden load of a joint, with its stress in the rows, Pa.
+    /// Sudden load of a joint, and its stress on the side to which the rows refer, Pa.
     sudden: Option<(SuddenLoad, f64)>,
 }
 
@@ -92,7 +93,7 @@ impl Load {
         Self { peak, no_stress: NO_STRESS * modulus, is_released: true, ..Self::default() }
     }
 
-    /// A row counts to the next one if both carry stress; none counts after `last` (s).
+    /// Adds rows up to the time `last` (s). An interval between two rows counts as time under stress if both rows carry stress.
     fn add(&mut self, rows: &Trace, last: f64) {
         for (&time, &stress) in rows.time.iter().zip(&rows.stress).take_while(|&(&time, _)| time <= last) {
             self.peak.add(time, self.sudden.map_or(stress, |(load, known)| load.blend(time, known, stress)));
@@ -106,14 +107,14 @@ impl Load {
     }
 }
 
-/// What a gauge saw.
+/// Peaks at a gauge.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Gauge {
     pub stress: Peak,
     pub strain: Extreme,
 }
 
-/// What the histories of a run came to so far.
+/// Peaks and durations of the histories of a run so far.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Tally {
     pub(super) ends: [Load; 2],
@@ -122,8 +123,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Of a bar with so many gauges. Histories of the stress beside its joints follow those of the gauges. `relaxes`: flow takes the elastic stress of
-    /// sharp waves away within a step.
+    /// Creates the tally of a bar with a number of gauges. The histories of the stress at its joints follow those of
+    /// the gauges. `relaxes` is true if flow removes the elastic stress of sharp waves within a step.
     pub fn new(bar: &Bar, gauges: usize, relaxes: bool) -> Self {
         let loads: Vec<Load> =
             bar.segments.iter().map(|segment| Load::new(segment.material.modulus, relaxes)).collect();
@@ -132,26 +133,27 @@ impl Tally {
         Self { ends: [loads[0], loads[last]], gauges: vec![gauge; gauges], joints: loads[..last].to_vec() }
     }
 
-    /// No more rows come.
+    /// Counts the waiting rows at the end of the run.
     pub fn close(&mut self) {
         self.gauges.iter_mut().for_each(|gauge| gauge.stress.close());
         self.ends.iter_mut().chain(&mut self.joints).for_each(|load| load.peak.close());
     }
 
-    /// Joints are suddenly loaded: each with the stress beside it (Pa). The rows of ends include their sudden loads.
+    /// Sets the sudden loads of joints, each with the stress on the left of the joint (Pa). The rows of the ends already include their sudden loads.
     pub fn start_under(&mut self, joints: impl Iterator<Item = (usize, SuddenLoad, f64)>) {
         for (joint, load, stress) in joints {
             self.joints[joint].sudden = Some((load, stress));
         }
     }
 
-    /// Number of the scene's gauges.
+    /// Returns the number of the scene's gauges.
     pub fn gauges(&self) -> usize {
         self.gauges.len()
     }
 
-    /// Takes rows: of the gauges and the joints, and of both ends. `breaks`: when each joint breaks, s; infinite while it holds. From then on the
-    /// stress beside it is that of a fragment, not of the joint.
+    /// Adds rows of the gauges and joints, and of both ends. `breaks` are the times at which the joints fracture, s,
+    /// infinite for a joint that holds; from this time on the stress next to a joint is that of a fragment, not of the
+    /// joint.
     pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2], breaks: &[f64]) {
         let (gauges, joints) = gauges.split_at(self.gauges.len().min(gauges.len()));
         for (tally, rows) in self.gauges.iter_mut().zip(gauges) {
@@ -200,7 +202,7 @@ mod tests {
         assert_eq!((load.peak.largest.at, load.duration, load.is_released), (1.0, 1.0, true));
     }
 
-    /// Stresses that last for a step or two are no peaks where flow takes them away, whatever batches rows come in; a wave that ends the run is one.
+    /// Stresses that flow removes within two steps are not peaks, however the rows are batched; a wave in the last rows of the run is one.
     #[test]
     fn what_flow_takes_away_within_two_steps_is_no_peak() {
         let all = [0.0, -110.0, -90.0, -79.0, -79.5, -84.0, -83.0, -82.0, -82.0, -90.0, -91.0];

@@ -14,13 +14,13 @@ pub(super) fn put<T: H5Type>(location: &Location, name: &str, value: &T) -> Hdf<
     location.new_attr::<T>().create(name)?.write_scalar(value)
 }
 
-/// A number, and its unit in a second attribute.
+/// Writes a number, and its unit in a second attribute.
 pub(super) fn put_quantity(location: &Location, name: &str, value: f64, units: &str) -> Hdf<()> {
     put(location, name, &value)?;
     put_text(location, &format!("{name}_units"), units)
 }
 
-/// Unit and meaning of a dataset.
+/// Writes the unit and the description of a dataset.
 pub(super) fn describe(dataset: &Dataset, units: &str, long_name: &str) -> Hdf<()> {
     put_text(dataset, "units", units)?;
     put_text(dataset, "long_name", long_name)
@@ -36,16 +36,17 @@ pub(super) fn put_texts(location: &Location, name: &str, values: &[String]) -> H
     if values.is_empty() { Ok(()) } else { attribute.write_raw(&values) }
 }
 
-/// HDF5 text ends at a zero byte, which no text file has; one that does is cut there rather than refused.
+/// Converts a text. HDF5 texts end at a zero byte, which text files do not contain; a text that contains one is
+/// truncated there instead of being refused.
 pub(super) fn text(value: &str) -> Hdf<VarLenUnicode> {
     let until_zero = value.split('\0').next().unwrap_or_default();
     until_zero.parse().map_err(|e: hdf5::types::StringError| e.to_string().into())
 }
 
-/// Root attribute `format` of result files.
+/// Value of the root attribute `format` of result files.
 pub(super) const FORMAT: &str = "barwave";
 
-/// What every file of the program starts with: its kind, by whom it was written, and its title.
+/// Writes the attributes with which every file of the program starts: its kind, the program that wrote it, and its title.
 pub(super) fn identify(file: &Location, format: &str, title: &str) -> Hdf<()> {
     put_text(file, "format", format)?;
     put(file, "format_version", &FORMAT_VERSION)?;

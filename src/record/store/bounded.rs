@@ -1,15 +1,15 @@
-//! Reading datasets of a file that may be damaged: their shapes are held against what the file can hold before anything is allocated.
+//! Reading of datasets in files that may be damaged: shapes are compared with what the file can contain before memory is allocated.
 
 use hdf5::{Container, Dataset, H5Type};
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Bytes that any dataset may take in memory.
+/// Memory that any dataset may occupy, bytes.
 const FREE: f64 = 16.0 * 1024.0 * 1024.0;
-/// Most bytes that one byte of a compressed chunk can stand for; deflate reaches 1032.
+/// Largest number of bytes that one byte of a compressed chunk can represent; deflate reaches 1032.
 const COMPRESSION: f64 = 1100.0;
 
-/// All values of a one-dimensional dataset.
+/// Returns all values of a one-dimensional dataset.
 pub(super) fn column<T: H5Type>(dataset: &Dataset) -> Hdf<Vec<T>> {
     let shape = dataset.shape();
     if shape.len() != 1 {
@@ -19,8 +19,10 @@ pub(super) fn column<T: H5Type>(dataset: &Dataset) -> Hdf<Vec<T>> {
     dataset.read_raw()
 }
 
+/// Checks that the shape of a dataset is plausible.
+///
 /// # Errors
-/// The dataset says that it, or one of its chunks, has more values than its part of the file can hold.
+/// An error if the dataset, or one of its chunks, claims to have more values than its part of the file can contain.
 pub(super) fn check(dataset: &Dataset) -> Hdf<()> {
     let stored = dataset.storage_size().min(dataset.file()?.size()) as f64;
     let compressed = if dataset.filters().is_empty() { 1.0 } else { COMPRESSION };
@@ -37,7 +39,7 @@ pub(super) fn check(dataset: &Dataset) -> Hdf<()> {
     Ok(())
 }
 
-/// The values of an attribute, one after another; attributes are not compressed.
+/// Checks that an attribute has no more values than the file has bytes: attributes are not compressed.
 pub(super) fn attribute_fits(attribute: &Container, file_bytes: u64) -> Hdf<()> {
     let values: f64 = attribute.shape().iter().map(|&n| n as f64).product();
     if values <= file_bytes as f64 { Ok(()) } else { Err(format!("an attribute has {values:e} values").into()) }

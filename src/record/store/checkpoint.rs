@@ -1,10 +1,11 @@
-//! The checkpoint of a run, in a file of its own beside the result: `OUT.h5.checkpoint`.
+//! Checkpoint of a run, in a file of its own next to the result: `OUT.h5.checkpoint`.
 //!
-//! It is written under a temporary name and renamed, after the rows that it refers to have been flushed. Whenever a run is killed, the
-//! checkpoint is therefore complete, and the result file holds at least the rows that it refers to. It is removed when the run ends.
+//! It is written under a temporary name and renamed, after the rows that it refers to have been flushed. Whenever a run
+//! is killed, the checkpoint is therefore complete, and the result file contains at least the rows that it refers to.
+//! It is removed when the run ends.
 //!
-//! The file starts with two lines of text, `barwave checkpoint <version>` and the program that wrote it; then come a checksum of all
-//! the rest (CRC-32, 4 bytes, the least significant first) and the state.
+//! The file starts with two lines of text, `barwave checkpoint <version>` and the program that wrote it. A checksum of
+//! these lines and the state (CRC-32, 4 bytes, least significant first) and the state follow.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -20,58 +21,58 @@ use crate::snapshot::{pack, unpack};
 /// Version of the file's layout and of every state in it.
 const VERSION: u32 = 23;
 
-/// How the first line starts.
+/// Start of the first line.
 const START: &str = "barwave checkpoint ";
 
-/// Bytes of the checksum.
+/// Size of the checksum, bytes.
 const CHECKSUM: usize = 4;
 
-/// Rows of the growing tables of a result file.
+/// Numbers of rows of the growing tables of a result file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Rows {
-    /// Of the fields and their times.
+    /// Rows of the fields and their times.
     pub frames: usize,
-    /// Of each gauge.
+    /// Rows of each gauge.
     pub gauges: Vec<usize>,
-    /// Of the histories of the left and the right end.
+    /// Rows of the histories of the left and the right end.
     pub ends: [usize; 2],
-    /// Of the ledger.
+    /// Rows of the ledger.
     pub ledger: usize,
-    /// Of the paths of fronts.
+    /// Rows of the paths of fronts.
     pub paths: usize,
 }
 
 /// State of a run between two steps.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
-    /// Of the result file; filled in by the writer, like the three that follow.
+    /// Identifier of the run in the result file; set by the writer, like the next three fields.
     pub run_id: String,
-    /// Rows in the result file.
+    /// Numbers of rows in the result file.
     pub rows: Rows,
-    /// Paths of fronts that wait for a whole chunk.
+    /// Paths of fronts that have not been written yet because they do not fill a whole chunk.
     pub waiting: Vec<PathRow>,
-    /// Links and attributes of its root.
+    /// Names of the links and attributes of the root of the result file.
     pub members: [Vec<String>; 2],
     /// [`checksum`] of the resolved scene.
     pub scene: u32,
-    /// The run was to estimate its error.
+    /// True if the run was to estimate its error.
     pub estimate_error: bool,
     /// Wall time between two checkpoints, s.
     pub every: f64,
     /// Wall time of the run so far, s.
     pub wall_seconds: f64,
-    /// Effects and method that the program chose.
+    /// Effects and method that the program chose, serialized.
     pub chosen: Vec<u8>,
-    /// State of the solver and of all recorders.
+    /// State of the solver and of all recorders, serialized.
     pub state: Vec<u8>,
 }
 
-/// CRC-32 of a text.
+/// Returns the CRC-32 of a text.
 pub fn checksum(text: &str) -> u32 {
     crc32fast::hash(text.as_bytes())
 }
 
-/// The checkpoint of a result file.
+/// Returns the path of the checkpoint of a result file.
 pub fn path_of(output: &Path) -> PathBuf {
     beside(output, "", ".checkpoint")
 }
@@ -87,15 +88,15 @@ fn beside(output: &Path, before: &str, after: &str) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// Removes the checkpoint of a result file, and one that was never finished.
+/// Removes the checkpoint of a result file, and an incomplete one.
 pub fn remove(output: &Path) {
     for path in [path_of(output), temporary(output)] {
-        // There need not be any.
+        // Neither file needs to exist.
         let _ = std::fs::remove_file(path);
     }
 }
 
-/// The program with its version and, where that is known, its commit.
+/// Returns the program with its version and, if known, its commit.
 fn program() -> String {
     let revision = super::git_revision().map(|revision| format!(" ({revision})")).unwrap_or_default();
     format!("barwave {}{revision}", env!("CARGO_PKG_VERSION"))
@@ -121,10 +122,10 @@ impl Checkpoint {
         Ok(())
     }
 
-    /// The checkpoint of a result file; none where there is none.
+    /// Reads the checkpoint of a result file; returns `None` if there is none.
     ///
     /// # Errors
-    /// An [`InputError`] where it is damaged, or of another version of the program.
+    /// An [`InputError`] if it is damaged, or from another version of the program.
     pub fn read(output: &Path) -> Result<Option<Self>> {
         let path = path_of(output);
         match std::fs::read(&path) {

@@ -1,5 +1,6 @@
-//! Rows of a field and columns of a table, compressed here and written as they are: as the library's own shuffle and deflate filters do it,
-//! which set up the compression anew for every chunk and take nearly twice as long.
+//! Rows of a field and columns of a table, compressed here and written directly. The result is identical to that of the
+//! library's own shuffle and deflate filters, which initialize the compression for every chunk and take nearly twice as
+//! long.
 #![allow(unsafe_code)]
 
 use hdf5::Dataset;
@@ -9,10 +10,10 @@ use libdeflater::{CompressionLvl, Compressor};
 
 use crate::record::Precision;
 
-/// Fields are close to incompressible beyond what the shuffled bytes have in common.
+/// Level of compression. Beyond what the shuffled bytes have in common, fields are nearly incompressible, so that the lowest level suffices.
 const LEVEL: i32 = 1;
 
-/// Compresses chunks.
+/// Compressor of chunks.
 pub(super) struct Chunks {
     compressor: Compressor,
     bytes: Vec<u8>,
@@ -31,8 +32,8 @@ impl Chunks {
         Self { compressor: Compressor::new(level), bytes: Vec::new(), compressed: Vec::new() }
     }
 
-    /// Writes row `row` of a dataset whose chunks are 1 by `columns` and whose filters are shuffle and deflate. The dataset has the row
-    /// already, empty.
+    /// Writes row `row` of a dataset whose chunks are 1 by `columns` and whose filters are shuffle and deflate. The
+    /// dataset must already have the row, empty.
     pub fn write_row(
         &mut self,
         dataset: &Dataset,
@@ -51,8 +52,8 @@ impl Chunks {
         Ok(())
     }
 
-    /// Writes numbers from row `start` on, a multiple of `length`, into a dataset whose chunks have `length` rows and whose filter is deflate.
-    /// The dataset has the rows already, empty.
+    /// Writes numbers from row `start` onwards, a multiple of `length`, into a dataset whose chunks have `length` rows
+    /// and whose filter is deflate. The dataset must already have the rows, empty.
     pub fn write_numbers(
         &mut self,
         dataset: &Dataset,
@@ -69,7 +70,7 @@ impl Chunks {
         Ok(())
     }
 
-    /// Compresses the bytes of a chunk and writes it.
+    /// Compresses the bytes of a chunk and writes them.
     fn write(&mut self, dataset: &Dataset, offset: &[u64]) -> hdf5::Result<()> {
         self.compressed.resize(self.compressor.zlib_compress_bound(self.bytes.len()), 0);
         let compressed = self.compressor.zlib_compress(&self.bytes, &mut self.compressed);
@@ -77,7 +78,7 @@ impl Chunks {
         write_chunk(dataset, offset, &self.compressed[..length])
     }
 
-    /// All first bytes of a chunk of `columns` numbers, then all second ones, and so on; a chunk at the right edge is filled up with zeros.
+    /// Stores the first bytes of all `columns` numbers of a chunk, then all second bytes, and so on; a chunk at the right edge is padded with zeros.
     fn shuffle<const BYTES: usize>(&mut self, values: &[f64], columns: usize, bytes: impl Fn(f64) -> [u8; BYTES]) {
         self.bytes.clear();
         self.bytes.resize(BYTES * columns, 0);
@@ -89,13 +90,13 @@ impl Chunks {
     }
 }
 
-/// Writes a chunk as it is to be on the disk; `offset` has a number for each dimension of the dataset.
+/// Writes a chunk in the form in which it is stored on the disk; `offset` has one number for each dimension of the dataset.
 fn write_chunk(dataset: &Dataset, offset: &[u64], bytes: &[u8]) -> hdf5::Result<()> {
     if offset.len() != dataset.ndim() {
         return Err(format!("a chunk in {} dimensions for `{}`", offset.len(), dataset.name()).into());
     }
     hdf5::sync::sync(|| {
-        // SAFETY: the dataset lives through the call and has as many dimensions as the offset; the bytes are as many as said.
+        // SAFETY: the dataset lives through the call and has as many dimensions as `offset`; the length is that of `bytes`.
         let status = unsafe {
             H5Dwrite_chunk(dataset.id(), H5P_DEFAULT, 0, offset.as_ptr(), bytes.len(), bytes.as_ptr().cast())
         };

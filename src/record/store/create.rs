@@ -1,4 +1,4 @@
-//! Creation of a file: attributes, axes, empty datasets and materials.
+//! Creation of a result file: attributes, axes, empty datasets and materials.
 
 use std::time::SystemTime;
 
@@ -15,34 +15,34 @@ use crate::text_file::NamedFiles;
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Samples in a chunk of the fields. A chunk is a piece of one frame, so that a chunk on the disk never changes: HDF5
-/// moves a compressed chunk that is written again, and a process killed between that and the next flush leaves a
-/// chunk that cannot be decompressed (1 kill in 5 of a writer at full speed, with chunks of 64 frames).
+/// Number of samples in a chunk of the fields. A chunk is a part of one frame, so that a chunk on the disk never
+/// changes. HDF5 moves a compressed chunk that is written again, and a process killed between this and the next flush
+/// leaves a chunk that cannot be decompressed (1 kill in 5 of a writer at full speed, with chunks of 64 frames).
 pub(super) const CHUNK_COLUMNS: usize = 16_384;
-/// Rows in a chunk of a history. Histories are not compressed, so that a chunk grows in place, for the same reason.
+/// Number of rows in a chunk of a history. Histories are not compressed, so that a chunk grows in place, for the same reason.
 pub(super) const TRACE_ROWS: usize = 1024;
-/// Rows in a chunk of the frame times and of the ledger.
+/// Number of rows in a chunk of the frame times and of the ledger.
 const FRAME_ROWS: usize = 256;
 
-/// Dimension of the rows of a history.
+/// Name of the dimension of the rows of a history.
 pub(super) const SAMPLE: &str = "sample";
 
-/// What a time that comes twice means.
+/// Description of repeated times.
 const JUMPS: &str = "non-decreasing; at a repeated time the values jump from the first row to the second";
 
-/// Columns of a history: name, units, long name.
+/// Columns of a gauge history: name, units, long name.
 const GAUGE_COLUMNS: [[&str; 3]; 4] =
     [TIME, ["stress", "Pa", "engineering stress, tension positive"], ["strain", "1", "engineering strain"], VELOCITY];
-/// What gauges of a bar that plastic work heats have on top.
+/// Additional column of gauges with the effect of heat.
 const GAUGE_TEMPERATURE: [&str; 3] = ["temperature", "K", "temperature"];
 const END_COLUMNS: [[&str; 3]; 3] = [TIME, ["stress", "Pa", "engineering stress, tension positive"], VELOCITY];
-/// What ends of a known cross-section have on top, and those of bars in torsion.
+/// Additional column of the ends of a bar with a known cross-section; in torsion [`END_TORQUE`] replaces it.
 const END_FORCE: [&str; 3] = ["force", "N", "axial force, tension positive"];
 pub(super) const END_TORQUE: [&str; 3] = ["torque", "N m", "torque in the section"];
 const TIME: [&str; 3] = ["time", "s", "time"];
 const VELOCITY: [&str; 3] = ["velocity", "m/s", "velocity in +x"];
 
-/// Columns of the ledger: name, long name. Energies but for time, the momenta, and the residual.
+/// Returns name and long name of each column of the ledger. All are energies except the time, the momenta and the residual.
 pub(super) fn ledger_columns() -> impl Iterator<Item = [&'static str; 2]> {
     let after = [
         ["work_left", "work done by the left end since the start"],
@@ -54,7 +54,7 @@ pub(super) fn ledger_columns() -> impl Iterator<Item = [&'static str; 2]> {
     [["time", "time"]].into_iter().chain(Energies::COLUMNS.iter().copied()).chain(after)
 }
 
-/// Everything but the data, in a new file.
+/// Creates everything except the data in a new file.
 pub(super) fn build(file: &File, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Hdf<()> {
     build_root(file, header, layout.area_given)?;
     let twisted = header.torsion.is_some();
@@ -120,7 +120,7 @@ fn build_fields(file: &File, layout: &Layout, twisted: bool) -> Hdf<()> {
     scales::attach_axes(file, &[Axis::Coordinate("time"), Axis::Coordinate("x"), Axis::Bare("bound")], &data)
 }
 
-/// Cells and cross-sections along the bar, and its segments.
+/// Writes the cells and cross-sections along the bar, and its segments.
 fn build_geometry(file: &File, geometry: &Geometry) -> Hdf<()> {
     let x = file.dataset("x")?;
     put_text(&x, "bounds", "x_bounds")?;
@@ -155,18 +155,18 @@ fn build_geometry(file: &File, geometry: &Geometry) -> Hdf<()> {
     describe(&length, "m", "length of the undeformed bar")
 }
 
-/// Columns of the gauges of this file.
+/// Returns the columns of the gauges of this file.
 pub(super) fn gauge_columns(layout: &Layout) -> Vec<[&'static str; 3]> {
     GAUGE_COLUMNS.into_iter().chain(layout.temperature.then_some(GAUGE_TEMPERATURE)).collect()
 }
 
-/// Columns of the ends of this file.
+/// Returns the columns of the ends of this file.
 pub(super) fn end_columns(layout: &Layout, twisted: bool) -> Vec<[&'static str; 3]> {
     let load = layout.geometry.end_factors.map(|_| if twisted { END_TORQUE } else { END_FORCE });
     END_COLUMNS.into_iter().chain(load).collect()
 }
 
-/// A column of stress, strain or velocity as it is called in torsion, or as it is.
+/// Returns a column of stress, strain or velocity with its description in torsion if `twisted`; other columns unchanged.
 fn in_mode(twisted: bool, [name, units, long_name]: [&'static str; 3]) -> [&'static str; 3] {
     let field =
         [Field::Stress, Field::Strain, Field::Velocity].into_iter().find(|field| twisted && field.name() == name);
@@ -221,9 +221,11 @@ pub(super) fn energy_units(area_given: bool) -> &'static str {
     if area_given { "J" } else { "J/m^2" }
 }
 
-/// Growing columns of a group over the dimension [`SAMPLE`]; the first is time. Time is no dimension: readers of whole files want dimensions
-/// of one name to be one, and histories have other times than fields. It is no coordinate (CF: `coordinates`) either: rows of a group in
-/// `xarray.open_datatree` could then not be indexed, as the times of the fields are handed down to it. A time may also come twice, at a jump.
+/// Creates the growing columns of a group over the dimension [`SAMPLE`]; the first column is the time. The time is not
+/// a dimension, because readers of whole files require dimensions of one name to be identical, and histories have other
+/// times than fields. It is not a coordinate (CF: `coordinates`) either, because rows of a group in
+/// `xarray.open_datatree`, which inherits the times of the fields, could then not be indexed. Moreover, a time may
+/// occur twice, at a jump.
 fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     for [name, units, long_name] in columns {
         let builder = group.new_dataset::<f64>().fill_value(f64::NAN);
@@ -238,7 +240,7 @@ fn build_columns(group: &Group, columns: &[[&str; 3]], rows: usize) -> Hdf<()> {
     scales::attach_axes(group, &[Axis::Bare(SAMPLE)], &data)
 }
 
-/// What a scene names, so that it can be read again from its result alone.
+/// Writes the files to which a scene refers, so that the scene can be read again from its result alone.
 fn build_scene_files(file: &File, files: &NamedFiles) -> Hdf<()> {
     if files.texts.is_empty() {
         return Ok(());
@@ -272,7 +274,7 @@ pub(super) fn build_materials(file: &File, materials: &[MaterialRecord], twisted
     Ok(())
 }
 
-/// The curve as one, signed, and by sense, as magnitudes.
+/// Writes the curve as a single signed one, and as magnitudes for each sense.
 fn build_branches(group: &Group, material: &MaterialRecord, names: [&str; 2]) -> Hdf<()> {
     let of_sense = |sense: &str, k: usize| {
         let quantity = names[k].split(',').next().unwrap_or_default();
@@ -299,7 +301,7 @@ pub(super) fn gauge_links(layout: &Layout) -> Vec<String> {
     link_names(layout.gauges.iter().map(|(name, _)| name.as_str()))
 }
 
-/// Names fit for groups: no slash, no leading dot, not empty, no two alike.
+/// Converts names into unique names of groups: no slash, no leading dot, not empty.
 fn link_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut links: Vec<String> = Vec::new();
     for name in names {
@@ -318,13 +320,13 @@ fn link_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
     links
 }
 
-/// Tells a run from every other one: a checkpoint belongs to the file of just one.
+/// Returns an identifier that differs for every run: a checkpoint belongs to the file of exactly one run.
 fn run_id(now: SystemTime) -> String {
     let nanoseconds = now.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_nanos());
     format!("{nanoseconds:x}-{:x}", std::process::id())
 }
 
-/// ISO 8601 in UTC, to the second.
+/// Returns the time in UTC in the format of ISO 8601, to the second.
 fn timestamp(now: SystemTime) -> String {
     let seconds = now.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_secs());
     let (year, month, day) = civil_from_days((seconds / 86_400).cast_signed());
@@ -332,8 +334,8 @@ fn timestamp(now: SystemTime) -> String {
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
 }
 
-/// Year, month and day of a number of days since 1970-01-01 (Hinnant's algorithm, proleptic Gregorian calendar:
-/// years run from March, so that the leap day comes last).
+/// Returns year, month and day for a number of days since 1970-01-01 (Hinnant's algorithm, proleptic Gregorian
+/// calendar: years start in March, so that the leap day is the last day).
 fn civil_from_days(days: i64) -> (i64, i64, i64) {
     let shifted = days + 719_468;
     let era = shifted.div_euclid(146_097);

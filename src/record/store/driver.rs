@@ -1,4 +1,4 @@
-//! A virtual file driver (VFD) for the HDF5 library that makes every flush an atomic commit, see [`super::journal`].
+//! Virtual file driver (VFD) for the HDF5 library that makes every flush an atomic commit, see [`super::journal`].
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, CString, OsStr, c_char, c_int, c_uint, c_ulong, c_void};
@@ -20,12 +20,12 @@ use super::journal::Journaled;
 
 /// Opens a file for reading and writing.
 pub(super) fn open_rw(path: &Path) -> hdf5::Result<hdf5::File> {
-    // Chunks are written whole and once, so a cache would only put off their compression until the flush.
+    // Each chunk is written once and completely, so that a cache would only delay its compression until the flush.
     let access = FileAccess::build().chunk_cache(1, 0, 1.0).finish()?;
     let name = CString::new(path.as_os_str().as_bytes()).map_err(|e| e.to_string())?;
     hdf5::sync::sync(|| {
-        // SAFETY: the property list lives through both calls, the driver as long as the library; the name ends with a zero byte, and
-        // the id of the opened file has one owner.
+        // SAFETY: the property list lives through both calls, and the driver as long as the library; the name ends with
+        // a zero byte, and the id of the opened file has one owner.
         unsafe {
             hdf5::h5check(H5Pset_driver(access.id(), driver()?, ptr::null()))?;
             hdf5::from_id(hdf5::h5check(H5Fopen(name.as_ptr(), H5F_ACC_RDWR, access.id()))?)
@@ -33,15 +33,15 @@ pub(super) fn open_rw(path: &Path) -> hdf5::Result<hdf5::File> {
     })
 }
 
-/// The id of the driver, registered once.
+/// Returns the id of the driver, which is registered once.
 fn driver() -> hdf5::Result<hid_t> {
     static DRIVER: OnceLock<hid_t> = OnceLock::new();
-    // SAFETY: the library copies the class, whose layout it checks by the version; the name lives for ever.
+    // SAFETY: the library copies the class, whose layout it checks by its version; the name is static.
     let id = *DRIVER.get_or_init(|| unsafe { H5FDregister(ptr::from_ref(&CLASS.0).cast()) });
     if id < 0 { Err("the HDF5 library refuses the file driver".into()) } else { Ok(id) }
 }
 
-/// `H5FD_class_t` of HDF5 2, class version 1. Members that are none are optional.
+/// `H5FD_class_t` of HDF5 2, class version 1. Members that are `None` are optional.
 #[repr(C)]
 struct Class {
     version: c_uint,
@@ -79,12 +79,12 @@ struct Class {
 
 struct Shared(Class);
 
-// SAFETY: nothing in it is ever written, and its name is a constant.
+// SAFETY: no member is ever modified, and the name is a constant.
 unsafe impl Sync for Shared {}
 
 static CLASS: Shared = Shared(Class {
     version: 1,
-    // From 512 on; no registered driver has it.
+    // Driver values from 512 on are for drivers outside the library; no registered driver has this one.
     value: 6022,
     name: c"barwave".as_ptr(),
     largest_address: i64::MAX as u64,
@@ -114,11 +114,11 @@ static CLASS: Shared = Shared(Class {
     unlock,
     delete: None,
     control: None,
-    // Metadata together, data together (H5FD_FLMAP_DICHOTOMY).
+    // Metadata and data in separate free lists (H5FD_FLMAP_DICHOTOMY).
     free_lists: [1, 1, 1, 3, 3, 1, 1],
 });
 
-/// An open file: `H5FD_t`, which the library fills in, followed by the driver's own members.
+/// Open file: `H5FD_t`, which the library fills in, followed by the driver's own members.
 #[repr(C)]
 struct Handle {
     driver_id: hid_t,
@@ -132,7 +132,7 @@ struct Handle {
     alignment: u64,
     paged: bool,
     file: Journaled,
-    /// End of the allocated addresses.
+    /// End of the allocated addresses, bytes.
     eoa: u64,
 }
 
@@ -143,19 +143,19 @@ fn status(result: &std::io::Result<()>) -> c_int {
 }
 
 /// # Safety
-/// A handle that [`open`] gave and [`close`] has not taken.
+/// The pointer must come from [`open`] and must not have been passed to [`close`].
 unsafe fn handle<'a>(handle: *const Handle) -> &'a Handle {
     unsafe { &*handle }
 }
 
 /// # Safety
-/// As for [`handle`]; the library's lock keeps it to one call at a time.
+/// As for [`handle`]; the library's lock ensures that there is only one call at a time.
 unsafe fn handle_mut<'a>(handle: *mut Handle) -> &'a mut Handle {
     unsafe { &mut *handle }
 }
 
 extern "C" fn open(name: *const c_char, _flags: c_uint, _access: hid_t, _largest: u64) -> *mut Handle {
-    // SAFETY: the library gives the name of the file, ended with a zero byte.
+    // SAFETY: the library passes the name of the file, terminated by a zero byte.
     let name = unsafe { CStr::from_ptr(name) };
     let Ok(file) = Journaled::open(Path::new(OsStr::from_bytes(name.to_bytes()))) else { return ptr::null_mut() };
     Box::into_raw(Box::new(Handle {
@@ -175,10 +175,10 @@ extern "C" fn open(name: *const c_char, _flags: c_uint, _access: hid_t, _largest
 }
 
 extern "C" fn close(file: *mut Handle) -> c_int {
-    // SAFETY: the library closes what it opened once, and uses it no more.
+    // SAFETY: the library closes each file that it opened once, and does not use it afterwards.
     let handle = unsafe { Box::from_raw(file) };
-    // A child process that was forked meanwhile holds the same lock until it executes its program: closing alone would not release it.
-    // Where there are no locks there is none to release.
+    // A child process that was forked meanwhile holds the same lock until it executes its program; closing alone would
+    // not release the lock. An error only means that the file system has no locks.
     let _ = handle.file.file().unlock();
     0
 }
@@ -188,7 +188,7 @@ extern "C" fn query(_file: *const Handle, features: *mut c_ulong) -> c_int {
         | H5FD_FEAT_ACCUMULATE_METADATA
         | H5FD_FEAT_DATA_SIEVE
         | H5FD_FEAT_AGGREGATE_SMALLDATA;
-    // SAFETY: the library asks with a place for the answer.
+    // SAFETY: the library passes a valid pointer for the result.
     unsafe { *features = c_ulong::from(all) };
     0
 }
@@ -210,7 +210,7 @@ extern "C" fn get_eof(file: *const Handle, _kind: c_int) -> u64 {
 }
 
 extern "C" fn read(file: *mut Handle, _kind: c_int, _transfer: hid_t, at: u64, size: usize, bytes: *mut u8) -> c_int {
-    // SAFETY: see `handle`; the library gives room for as many bytes.
+    // SAFETY: see `handle`; the library passes a buffer of `size` bytes.
     let (file, bytes) = unsafe { (handle(file), std::slice::from_raw_parts_mut(bytes, size)) };
     status(&file.file.read(at, bytes))
 }
@@ -223,12 +223,12 @@ extern "C" fn write(
     size: usize,
     bytes: *const u8,
 ) -> c_int {
-    // SAFETY: see `handle_mut`; the library gives as many bytes.
+    // SAFETY: see `handle_mut`; the library passes a buffer of `size` bytes.
     let (file, bytes) = unsafe { (handle_mut(file), std::slice::from_raw_parts(bytes, size)) };
     status(&file.file.write(at, bytes))
 }
 
-/// The end of every flush.
+/// Commits the changes; the library calls this at the end of every flush.
 extern "C" fn flush(file: *mut Handle, _transfer: hid_t, _closing: bool) -> c_int {
     // SAFETY: see `handle_mut`.
     status(&unsafe { handle_mut(file) }.file.commit())
@@ -246,7 +246,7 @@ extern "C" fn lock(file: *mut Handle, exclusive: bool) -> c_int {
     let locked = if exclusive { file.try_lock() } else { file.try_lock_shared() };
     match locked {
         Err(std::fs::TryLockError::WouldBlock) => FAILED,
-        // A file system without locks is no reason not to write.
+        // On a file system without locks the file is written without one.
         Ok(()) | Err(std::fs::TryLockError::Error(_)) => 0,
     }
 }

@@ -1,4 +1,4 @@
-//! The existing file at the path of a new result file.
+//! Check of an existing file at the path of a new result file.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -9,14 +9,14 @@ use super::sweep::SWEEP_FORMAT;
 use crate::destination;
 use crate::error::InputError;
 
-/// What a path holds before a run.
+/// Contents of a path before a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Existing {
-    /// Nothing, or an empty file.
+    /// No file, or an empty one.
     Nothing,
-    /// A file of the format that is to be written, finished or not.
+    /// File of the format to be written, complete or not.
     Own,
-    /// A file that another process writes.
+    /// File that another process is writing.
     InUse,
     /// Any other file, or one that can no longer be read.
     Other,
@@ -25,12 +25,12 @@ enum Existing {
 /// Refuses a path at which a run would replace anything but a result; with `force` any other file may be replaced.
 ///
 /// # Errors
-/// A file that another run writes, one that is not a result, or what [`destination::resolve`] refuses.
+/// An [`InputError`] if another run is writing the file, if it is not a result, or if [`destination::resolve`] refuses the path.
 pub fn check_output(path: &Path, force: bool) -> Result<(), InputError> {
     check(path, FORMAT, "a result file", force)
 }
 
-/// The same of a path at which the table of a sweep is to be written.
+/// Refuses a path at which the table of a sweep would replace anything but such a table; `force` as in [`check_output`].
 ///
 /// # Errors
 /// As for [`check_output`].
@@ -50,7 +50,7 @@ fn check(path: &Path, format: &str, what: &str, force: bool) -> Result<(), Input
     }
 }
 
-/// The first bytes of every HDF5 file.
+/// First bytes of every HDF5 file.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 fn start(path: &Path) -> std::io::Result<Vec<u8>> {
@@ -59,17 +59,17 @@ fn start(path: &Path) -> std::io::Result<Vec<u8>> {
     Ok(start)
 }
 
-/// True of a file that starts as HDF5 files do.
+/// Returns true if the file starts with the HDF5 signature.
 pub(super) fn has_signature(path: &Path) -> bool {
     start(path).is_ok_and(|start| start == SIGNATURE)
 }
 
-/// True of a regular file that starts as HDF5 files do.
+/// Returns true if the path is a regular file that starts with the HDF5 signature.
 pub fn is_hdf5(path: &Path) -> bool {
     path.is_file() && has_signature(path)
 }
 
-/// Looks at a regular file.
+/// Returns the contents of a path, given the expected value of `format`.
 fn existing(path: &Path, format: &str) -> Existing {
     if !path.exists() {
         return Existing::Nothing;

@@ -1,4 +1,4 @@
-//! The figures of a run: `/figures` of its result file.
+//! Figures of a run: `/figures` of its result file.
 
 use hdf5::{Dataset, File, Group};
 
@@ -11,13 +11,13 @@ use crate::record::Profile;
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Largest number of bytes that [`write`] accepts.
+/// Returns an upper bound of the bytes that [`write`] adds to the file.
 pub(super) fn bytes(figures: &Figures) -> u64 {
     2048 * figures.0.iter().map(|group| 5 + group.figures.len() as u64).sum::<u64>()
 }
 
-/// Writes `/figures`: a group for each place, in which every figure is a scalar dataset, and every profile one of one dimension. `gauges` are
-/// the names of the gauges' groups.
+/// Writes `/figures`: one group for each place, in which every figure is a scalar dataset and every profile a
+/// one-dimensional one. `gauges` are the names of the groups of the gauges.
 pub(super) fn write<'a>(file: &File, figures: &Figures, mut gauges: impl Iterator<Item = &'a String>) -> Hdf<()> {
     file.create_group("figures")?;
     for group in &figures.0 {
@@ -44,7 +44,7 @@ pub(super) fn write<'a>(file: &File, figures: &Figures, mut gauges: impl Iterato
     Ok(())
 }
 
-/// The position at which a profile's values stand, over the undeformed length.
+/// Name of the dataset with the positions of a profile's values, relative to the undeformed length.
 const POSITION: &str = "relative_position";
 
 fn write_profile(place: &Group, profile: &Profile) -> Hdf<()> {
@@ -59,31 +59,31 @@ fn write_profile(place: &Group, profile: &Profile) -> Hdf<()> {
     attach(place, &[POSITION], &[profile.name])
 }
 
-/// A figure as a reader sees it.
+/// Figure as read from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredFigure {
-    /// Without its unit.
+    /// Name without the unit.
     pub name: String,
-    /// What it is.
+    /// Description.
     pub long_name: String,
-    /// SI unit; "1" of plain numbers.
+    /// SI unit; "1" for dimensionless numbers.
     pub units: String,
-    /// SI.
+    /// Value in SI units.
     pub value: f64,
 }
 
-/// The figures of a place of a bar as a reader sees them.
+/// Figures of one place of a bar, as read from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredPlace {
-    /// "left", "right", "joints", "gauges", "segments" or "fragments"; empty for the whole bar.
+    /// Kind of the place: "left", "right", "joints", "gauges", "segments" or "fragments"; empty for the whole bar.
     pub kind: &'static str,
-    /// Which of several: the number, or the name of a gauge; empty where there is one only.
+    /// Number, or name of a gauge, if there are several places of this kind; otherwise empty.
     pub name: String,
-    /// In the order of their names.
+    /// Figures in the order of their names.
     pub figures: Vec<StoredFigure>,
 }
 
-/// The scalars of a group: by the order that they state, and else by their names.
+/// Returns the scalar datasets of a group in the order of their attribute `index`; those without it in the order of their names.
 pub(super) fn scalars(group: &Group) -> Hdf<Vec<StoredFigure>> {
     let datasets = group.datasets()?;
     let read = |dataset: &Dataset| {
@@ -99,10 +99,10 @@ pub(super) fn scalars(group: &Group) -> Hdf<Vec<StoredFigure>> {
 }
 
 impl ResultFile {
-    /// The figures of a run of a bar, place by place; none in an unfinished file.
+    /// Returns the figures of a run of a bar, place by place; empty for an unfinished file.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// An error if the file cannot be read.
     pub fn figures(&self) -> Result<Vec<StoredPlace>> {
         self.run(|file| {
             if !file.link_exists("figures") {
@@ -124,7 +124,7 @@ impl ResultFile {
     }
 }
 
-/// Links to the places of a kind and their names, in the order of the scene: links are in alphabetical order, 10 before 2.
+/// Returns the links to the places of a kind and their names, in the order of the scene. HDF5 lists links in alphabetical order, 10 before 2.
 fn names(file: &File, group: &Group, kind: &str) -> Hdf<Vec<(String, String)>> {
     if kind == "gauges" {
         let gauges = gauge_groups(file)?.into_iter().filter(|(link, _)| group.link_exists(link));

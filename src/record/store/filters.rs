@@ -1,10 +1,10 @@
-//! The filters of datasets.
+//! Filters of datasets.
 
 use hdf5::DatasetBuilderEmpty;
 
 use crate::record::Compression;
 
-/// Compressed with the bytes of numbers sorted by their weight: for rows of numbers that are close to one another.
+/// Adds the shuffle filter and compression, for rows of similar numbers: it sorts the bytes of the numbers by significance.
 pub(super) fn shuffled(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
     match compression {
         Compression::None => builder,
@@ -12,7 +12,7 @@ pub(super) fn shuffled(builder: DatasetBuilderEmpty, compression: Compression) -
     }
 }
 
-/// Compressed as it is: for numbers that come again as they were.
+/// Adds compression without the shuffle filter, for numbers that recur exactly.
 pub(super) fn compressed(builder: DatasetBuilderEmpty, compression: Compression) -> DatasetBuilderEmpty {
     match compression {
         Compression::Deflate => builder.deflate(1),

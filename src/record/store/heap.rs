@@ -1,5 +1,5 @@
-//! The heaps in which an HDF5 file keeps its texts. The library never comes to the end of one with a free object of size 0, as damage can make
-//! it, so that they are looked at first.
+//! Check of the global heaps in which an HDF5 file stores its texts. A free object of size 0, as damage can produce it,
+//! puts the library into an endless loop, so that the heaps are checked first.
 
 use std::fs::File;
 use std::io::{Read as _, Result, Seek as _, SeekFrom};
@@ -9,17 +9,17 @@ use memchr::memmem;
 
 /// Start of a global heap: its signature, its version, and zeros.
 const SIGNATURE: &[u8] = b"GCOL\x01\0\0\0";
-/// Bytes before the first object of a heap, and before the data of an object.
+/// Number of bytes before the first object of a heap, and before the data of an object.
 const HEADER: usize = 16;
-/// Alignment of objects.
+/// Alignment of objects, bytes.
 const ALIGN: usize = 8;
-/// Texts are written at the start and at the end of a run: so many bytes at both ends of a file are searched.
+/// Number of bytes that are searched at each end of a file: texts are written at the start and at the end of a run.
 const SEARCHED: u64 = 16 << 20;
 
-/// Every heap found in a file has an end.
+/// Returns true if every heap found in a file has an end.
 ///
 /// # Errors
-/// The file cannot be read.
+/// An error if the file cannot be read.
 pub(super) fn have_ends(path: &Path) -> Result<bool> {
     let mut file = File::open(path)?;
     let length = file.metadata()?.len();
@@ -35,7 +35,7 @@ pub(super) fn have_ends(path: &Path) -> Result<bool> {
     Ok(true)
 }
 
-/// Each object of the heap at the start of these bytes takes some of them.
+/// Returns true if each object of the heap at the start of these bytes has a positive size.
 fn has_end(heap: &[u8]) -> bool {
     let number = |at: usize| {
         let bytes = heap.get(at..at + 8).and_then(|bytes| bytes.try_into().ok());
@@ -47,7 +47,7 @@ fn has_end(heap: &[u8]) -> bool {
         let is_free = heap[at] == 0 && heap[at + 1] == 0;
         let size = number(at + ALIGN);
         let taken = match size {
-            // The size of what is free includes its header, and is not padded.
+            // The size of a free object includes its header, and is not padded.
             Some(size) if is_free => Some(size),
             Some(size) => size.checked_next_multiple_of(ALIGN).and_then(|size| size.checked_add(HEADER)),
             None => None,
@@ -81,7 +81,7 @@ mod tests {
     fn a_free_object_without_a_size_has_no_end() {
         assert!(has_end(&heap(4096 - 40)));
         assert!(!has_end(&heap(0)));
-        // What goes beyond the heap is found by the library.
+        // Objects that extend beyond the heap are detected by the library.
         assert!(has_end(&heap(u64::MAX)) && has_end(&heap(0)[..50]) && has_end(SIGNATURE));
     }
 }

@@ -1,4 +1,4 @@
-//! The result of an impact without waves in a bar: figures, histories and deflected shapes in one group.
+//! Result of an impact without waves in a bar: figures, histories and deflected shapes in one group.
 
 use std::path::Path;
 
@@ -15,13 +15,13 @@ use crate::impact::{Figure, Shapes, Solution, Table};
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Root attribute with the name of the group.
+/// Root attribute that contains the name of the group.
 const GROUP: &str = "impact";
 
-/// Writes a result file with the root attributes of every one, materials, and the result in a group of this name.
+/// Writes a result file with the root attributes of every result file, the materials, and the result in a group named `kind`.
 ///
 /// # Errors
-/// [`crate::error::Error::File`] where the file cannot be made or replaced; an older file is then untouched.
+/// [`crate::error::Error::File`] if the file cannot be created or replaced; an older file is then unchanged.
 pub fn write_impact(
     path: &Path,
     header: &Header,
@@ -50,7 +50,7 @@ pub fn write_impact(
     .map(|_| ())
 }
 
-/// Those that have a value, with their order: groups list their links by name.
+/// Writes the figures that have a value, with their order as an attribute, because groups list their links by name.
 fn write_figures(group: &Group, figures: &[Figure]) -> Hdf<()> {
     for (index, figure) in (0_u32..).zip(figures).filter(|(_, figure)| figure.value.is_finite()) {
         let dataset = group.new_dataset::<f64>().create(figure.name)?;
@@ -61,7 +61,7 @@ fn write_figures(group: &Group, figures: &[Figure]) -> Hdf<()> {
     Ok(())
 }
 
-/// The group of a table, made with those above it.
+/// Returns the group at a path; missing groups are created.
 fn group_at(group: &Group, path: &str) -> Hdf<Group> {
     path.split('/').try_fold(group.clone(), |group, name| {
         if group.link_exists(name) { group.group(name) } else { group.create_group(name) }
@@ -103,59 +103,59 @@ fn write_shapes(group: &Group, shapes: &Shapes) -> Hdf<()> {
     attach(&group, &["time", "x"], &["deflection"])
 }
 
-/// A column as a reader sees it.
+/// Column as read from a file.
 #[derive(Debug, Clone)]
 pub struct StoredColumn {
-    /// Unit.
+    /// Unit of the values.
     pub units: String,
-    /// What it is.
+    /// Description.
     pub long_name: String,
-    /// Title of its panel; empty: none.
+    /// Title of the panel in which the column is drawn; empty if it is not drawn.
     pub panel: String,
-    /// SI.
+    /// Values in SI units.
     pub values: Vec<f64>,
 }
 
-/// A table as a reader sees it: the first column is the scale of the others.
+/// Table as read from a file; the first column is the scale of the others.
 #[derive(Debug, Clone)]
 pub struct StoredTable {
-    /// Name of its group.
+    /// Name of the group.
     pub name: String,
-    /// m, where it is at a place.
+    /// Position of the table, m, if it belongs to one place.
     pub x: Option<f64>,
-    /// All of them.
+    /// All columns.
     pub columns: Vec<StoredColumn>,
 }
 
-/// The result of an impact as a reader sees it.
+/// Result of an impact as read from a file.
 #[derive(Debug, Clone)]
 pub struct StoredImpact {
-    /// "spheres", "plate", "beam", "energy".
+    /// Kind of the impact: "spheres", "plate", "beam" or "energy".
     pub kind: String,
-    /// The equations used; empty where the file does not say.
+    /// Equations used; empty if the file does not contain them.
     pub equation: String,
-    /// Their range.
+    /// Range of validity of the equations.
     pub validity: String,
-    /// Those of a gauge have its name before their own.
+    /// Figures; the description of a gauge's figure starts with the name of the gauge.
     pub figures: Vec<StoredFigure>,
     /// Histories.
     pub tables: Vec<StoredTable>,
-    /// Deflected shapes.
+    /// Deflected shapes, if there are any.
     pub shapes: Option<Shapes>,
 }
 
 impl StoredImpact {
-    /// It has histories or shapes, and not only figures.
+    /// Returns true if there are histories or shapes besides the figures.
     pub fn has_histories(&self) -> bool {
         self.shapes.is_some() || self.tables.iter().flat_map(|t| &t.columns).any(|column| !column.panel.is_empty())
     }
 }
 
 impl ResultFile {
-    /// Refuses the result of an impact that is not waves in a bar.
+    /// Refuses the result of an impact without waves in a bar.
     ///
     /// # Errors
-    /// An [`InputError`] that names the kind of the impact.
+    /// An [`InputError`] that states the kind of the impact.
     pub fn needs_bar(&self) -> Result<()> {
         let Ok(Ok(kind)) = self.run(|file| Ok(get_text(file, GROUP))) else { return Ok(()) };
         let message = format!(
@@ -168,10 +168,10 @@ impl ResultFile {
             .into())
     }
 
-    /// The result of an impact that is not waves in a bar; none in files of bars.
+    /// Returns the result of an impact without waves in a bar; `None` for the file of a bar.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// An error if the file cannot be read.
     pub fn impact(&self) -> Result<Option<StoredImpact>> {
         self.run(|file| {
             let Ok(kind) = get_text(file, GROUP) else { return Ok(None) };

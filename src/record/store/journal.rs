@@ -1,13 +1,15 @@
 //! Atomic commits of a file that is changed in place (a redo journal).
 //!
-//! HDF5 updates its metadata (object headers, B-tree nodes, superblock) in place, write by write. A process killed between two of these
-//! writes leaves metadata that match neither the old state nor the new one, and all frames can become unreadable, however early they
-//! were flushed. Changes of bytes that existed at the latest commit therefore stay in memory until the next commit. A commit writes
-//! them to a journal beside the file (`.OUT.h5.journal`), then to their places, and removes the journal. Bytes beyond the latest commit
-//! are written at once: nothing refers to them yet.
+//! HDF5 updates its metadata (object headers, B-tree nodes, superblock) in place, write by write. A process killed
+//! between two of these writes leaves metadata that match neither the old state nor the new one, and all frames can
+//! become unreadable, however early they were flushed. Changes of bytes that existed at the latest commit are therefore
+//! kept in memory until the next commit. A commit writes them to a journal next to the file (`.OUT.h5.journal`), then
+//! to their places, and removes the journal. Bytes beyond the latest commit are written immediately: nothing refers to
+//! them yet.
 //!
-//! After a kill the file is that of the latest commit, or a complete journal lies beside it and [`recover`] finishes the commit. The
-//! operating system keeps what a killed process has written, so nothing is synchronized with the disk; a power failure is not covered.
+//! After a kill the file is in the state of the latest commit, or a complete journal exists next to it and [`recover`]
+//! finishes the commit. The operating system keeps what a killed process has written, so that nothing is synchronized
+//! with the disk; a power failure is not covered.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -15,16 +17,16 @@ use std::io::{Result, Write as _};
 use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
-/// Bytes that are changed together.
+/// Size of the blocks in which changes are stored, bytes.
 const PAGE: u64 = 4096;
 
-/// How a journal starts.
+/// First bytes of a journal.
 const START: &[u8] = b"barwave journal 1\n";
 
-/// Bytes of the checksum (CRC-32) at its end.
+/// Size of the checksum (CRC-32) at the end of a journal, bytes.
 const CHECKSUM: usize = 4;
 
-/// The journal of a file.
+/// Returns the path of the journal of a file.
 fn journal_of(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
@@ -32,9 +34,9 @@ fn journal_of(path: &Path) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Finishes an interrupted commit, unless another process has the file open for writing.
+/// Finishes an interrupted commit, unless another process has locked the file.
 pub(super) fn recover(path: &Path) {
-    // The journal of a symbolic link's target is beside the target.
+    // The journal of a symbolic link is next to the target of the link.
     let Ok(path) = path.canonicalize() else { return };
     let journal = journal_of(&path);
     let Ok(bytes) = std::fs::read(&journal) else { return };
@@ -49,17 +51,17 @@ pub(super) fn recover(path: &Path) {
         // A journal that cannot be removed is applied again, with the same result.
         let _ = std::fs::remove_file(journal);
     }
-    // Children forked meanwhile would keep a lock that is only dropped.
+    // Child processes forked meanwhile would keep a lock that is released only by closing.
     let _ = file.unlock();
 }
 
 /// Removes the journal of a file that was replaced.
 pub(super) fn remove(path: &Path) {
-    // There need not be one.
+    // The journal need not exist.
     let _ = std::fs::remove_file(journal_of(path));
 }
 
-/// Offsets and bytes in a journal; none if it is incomplete, or belongs to another file that had the same name.
+/// Returns the offsets and bytes in a journal; `None` if it is incomplete, or belongs to another file that had the same name.
 fn records(journal: &[u8], inode: u64) -> Option<Vec<(u64, &[u8])>> {
     let (content, sum) = journal.split_last_chunk::<CHECKSUM>()?;
     if u32::from_le_bytes(*sum) != crc32fast::hash(content) {
@@ -93,22 +95,22 @@ fn journal(inode: u64, changes: &[(u64, &[u8])]) -> Vec<u8> {
     bytes
 }
 
-/// An open file with atomic commits.
+/// Open file with atomic commits.
 #[derive(Debug)]
 pub(super) struct Journaled {
     file: File,
     journal: PathBuf,
     inode: u64,
-    /// Length at the latest commit: bytes below it change in commits only.
+    /// Length at the latest commit, bytes; bytes below it change only in commits.
     committed: u64,
-    /// Pages below it that have changed since then, by page number.
+    /// Pages below `committed` that have changed since the latest commit, by page number.
     pages: BTreeMap<u64, Vec<u8>>,
-    /// Length of the file in use.
+    /// Length of the file in use, bytes.
     end: u64,
 }
 
 impl Journaled {
-    /// Opens a file that is there.
+    /// Opens an existing file.
     pub fn open(path: &Path) -> Result<Self> {
         let file = OpenOptions::new().read(true).write(true).open(path)?;
         let metadata = file.metadata()?;
@@ -120,12 +122,12 @@ impl Journaled {
         &self.file
     }
 
-    /// Length of the file in use, bytes.
+    /// Returns the length of the file in use, bytes.
     pub fn end(&self) -> u64 {
         self.end
     }
 
-    /// Reads from an offset on; bytes beyond the end of the file are zero.
+    /// Reads bytes from an offset; bytes beyond the end of the file are zero.
     pub fn read(&self, at: u64, bytes: &mut [u8]) -> Result<()> {
         read_zeros_beyond(&self.file, at, bytes)?;
         let end = (at + bytes.len() as u64).min(self.committed);
@@ -138,7 +140,7 @@ impl Journaled {
         Ok(())
     }
 
-    /// Writes at an offset.
+    /// Writes bytes at an offset.
     pub fn write(&mut self, at: u64, bytes: &[u8]) -> Result<()> {
         let end = at + bytes.len() as u64;
         let known = end.min(self.committed);
@@ -161,7 +163,7 @@ impl Journaled {
         Ok(())
     }
 
-    /// Sets the length in use. The file itself is never truncated: the latest commit may refer to the bytes beyond.
+    /// Sets the length in use. The file itself is never truncated, because the latest commit may refer to the bytes beyond.
     pub fn set_end(&mut self, end: u64) -> Result<()> {
         if self.file.metadata()?.len() < end {
             self.file.set_len(end)?;
@@ -177,10 +179,11 @@ impl Journaled {
         let changes: Vec<(u64, &[u8])> =
             self.pages.iter().map(|(&page, bytes)| (page * PAGE, &bytes[..known(page)])).collect();
         if !changes.is_empty() {
-            // A full disk has no room for a journal, but the changed pages are allocated: they are then written without it.
+            // A full disk has no space for a journal, but the changed pages are already allocated: they are then written without a journal.
             let kept = File::create(&self.journal).and_then(|mut file| file.write_all(&journal(self.inode, &changes)));
-            // What refers to other pages mostly stands before them. From the end on, a file cut off in between has few frames that refer to
-            // chunks without an entry, which programs that know nothing of the journal would read as missing values.
+            // Pages that refer to other pages mostly precede them. If the pages are written from the end of the file, a
+            // file that is cut off in between has few frames that refer to chunks without an entry, which programs that
+            // do not know the journal would read as missing values.
             for (at, bytes) in changes.into_iter().rev() {
                 self.file.write_all_at(bytes, at)?;
             }
@@ -196,7 +199,7 @@ impl Journaled {
     }
 }
 
-/// The pages that a range of bytes covers: number, first byte and end within the range.
+/// Returns the pages that a range of bytes covers: number, first byte, and end within the range.
 fn pages(from: u64, to: u64) -> impl Iterator<Item = (u64, u64, u64)> {
     let numbers = if from < to { from / PAGE..to.div_ceil(PAGE) } else { 0..0 };
     numbers.map(move |page| (page, from.max(page * PAGE), to.min((page + 1) * PAGE)))
@@ -223,7 +226,7 @@ fn read_zeros_beyond(file: &File, mut at: u64, mut bytes: &mut [u8]) -> Result<(
 mod tests {
     use super::*;
 
-    /// A file of three pages and a bit, and the same opened.
+    /// Creates a file of slightly more than three pages, and opens it.
     fn file() -> (tempfile::TempDir, PathBuf, Vec<u8>, Journaled) {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.h5");
@@ -241,7 +244,7 @@ mod tests {
     fn changes_are_seen_at_once_and_made_by_the_commit() {
         let (folder, path, old, mut file) = file();
         let mut new = old.clone();
-        // Inside a page, over two of them, over the end, and beyond it.
+        // Inside a page, across two pages, across the end of the file, and beyond it.
         for (at, count) in [(10, 20), (PAGE - 5, 10), (3 * PAGE + 90, 50), (4 * PAGE + 3, 7)] {
             file.write(at, &vec![9; count]).expect("written");
             let (at, end) = (at as usize, at as usize + count);
@@ -275,12 +278,12 @@ mod tests {
             assert!(read(&path) == old && !journal_of(&path).exists(), "{cut} bytes");
         }
         std::fs::write(journal_of(&path), &whole).expect("written");
-        // The first of two changes was made, and half of the second.
+        // The first change is complete, and half of the second.
         std::fs::write(&path, [&new[..2 * PAGE as usize + 9], &old[2 * PAGE as usize + 9..]].concat())
             .expect("written");
         recover(&path);
         assert!(read(&path) == new && !journal_of(&path).exists());
-        // A file that took its place is another one.
+        // The journal does not apply to another file that replaced this one.
         let other = path.with_extension("new");
         std::fs::write(&other, &old).expect("written");
         std::fs::rename(&other, &path).expect("moved");

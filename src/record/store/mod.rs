@@ -1,35 +1,37 @@
-//! The result file (HDF5). Only the files of this module name the hdf5 crates.
+//! Result file (HDF5). Only the files of this module use the hdf5 crates.
 //!
-//! # What is in it
-//! The contract is "Result file" in the interface. What this module adds to it:
+//! # Contents
+//! The interface is specified in its section "Result file". In addition to it:
 //!
-//! - `time` and `x` are dimension scales attached to every field, so h5py (`ds.dims[0]`) and xarray see labelled axes. `x_bounds`, `area` and
-//!   `/bar` are the geometry.
-//! - `/gauges/<name>`, `/ends/<side>` and `/ledger` are groups of columns over a dimension `sample` without values, the first of them
-//!   `time`: netCDF wants dimensions of one name to be one in a group and those below it (`xarray.open_datatree`).
-//! - `/fronts`, `/ruptures`, `/audit`, `/scene_files` and the segments of `/bar` are tables (`tables`): groups of columns numbered by a
-//!   scale. `/fronts` has a column `arrival_<gauge>` for each gauge.
-//! - `/paths`, in files of the method "moc", is a growing table, one row a straight piece of a front; its attribute `complete` is 1 where
-//!   the run ended and no piece was left out.
+//! - `time` and `x` are dimension scales attached to every field, so that h5py (`ds.dims[0]`) and xarray show labelled
+//!   axes. `x_bounds`, `area` and `/bar` are the geometry.
+//! - `/gauges/<name>`, `/ends/<side>` and `/ledger` are groups of columns over a dimension `sample` without values; the
+//!   first column is `time`. netCDF requires dimensions of one name to be identical in a group and those below it
+//!   (`xarray.open_datatree`).
+//! - `/fronts`, `/ruptures`, `/audit`, `/scene_files` and the segments of `/bar` are tables (`tables`): groups of
+//!   columns whose rows are numbered by a scale. `/fronts` has a column `arrival_<gauge>` for each gauge.
+//! - `/paths`, in files of the method "moc", is a growing table with one row per straight segment of a front. Its
+//!   attribute `complete` is 1 if the run has ended and no segment was omitted.
 //! - Fields of the method "moc" are exact at their places: a sample on a front has the state behind it, one on a joint
 //!   the state to its right (attribute `sampling`). Histories have two rows for each step, before and after it.
-//! - `/scene_files`, where the scene names materials or histories in files, has their paths and texts, and as attributes the folders
-//!   that they were looked up in; the root attribute `run_id` tells a run from every other one.
-//! - NaN means "not there": fields that were never reached by the writer, fronts that could not be followed.
+//! - `/scene_files`, if the scene refers to files with materials or histories, contains their paths and texts, and as
+//!   attributes the folders in which they were found. The root attribute `run_id` identifies the run uniquely.
+//! - NaN means missing: fields that the writer did not reach, fronts that could not be followed.
 //!
-//! # When is it complete
-//! The file is built under a temporary name beside its final one (`.OUT.h5.<pid>-<n>.tmp`): attributes, axes, materials,
-//! empty datasets. Only then does it take its final name, in one step, replacing an older result. So a start that
-//! fails leaves an older result alone and nothing under the final name, and from then on the final name always holds
-//! a file that opens, with `outcome = "running"` until [`Writer::finish`] writes the true outcome as its last act.
-//! A killed run therefore leaves its frames where the user looks for them: all that were flushed, four times a
-//! second. Data on the disk are never rewritten (a frame's chunks hold nothing but that frame; histories grow
-//! uncompressed; pieces of fronts are written in whole chunks), and the tables that HDF5 keeps of them change in one step
-//! with each flush (`journal`), so that a kill at any moment leaves what the last flush wrote.
+//! # Completeness
+//! The file is built under a temporary name in the folder of the final one (`.OUT.h5.<pid>-<n>.tmp`), with attributes,
+//! axes, materials and empty datasets. It is then renamed in one step, replacing an older result. A start that fails
+//! therefore leaves an older result unchanged and nothing under the final name. From then on, the final name always
+//! refers to a file that can be opened, with `outcome = "running"` until [`Writer::finish`] writes the true outcome as
+//! its last action. A killed run thus leaves all its frames up to the last flush under the final name; it flushes four
+//! times a second. Data on the disk are never rewritten: the chunks of a frame contain only that frame, histories grow
+//! uncompressed, and segments of fronts are written in whole chunks. The metadata that HDF5 keeps of them change
+//! atomically with each flush (`journal`), so that a kill at any time leaves the state of the last flush.
 //!
 //! # Threads
-//! libhdf5 has one global lock, so one thread writes. [`Writer`] is its sending end: frames and traces go through a
-//! bounded channel, compression runs beside the stepping, and a solver that is faster than the disk waits.
+//! libhdf5 has one global lock, so that a single thread writes. [`Writer`] is its sending end: frames and traces pass
+//! through a bounded channel, compression runs in parallel with the stepping, and a solver that is faster than the disk
+//! waits.
 
 mod attributes;
 mod bounded;
@@ -90,114 +92,114 @@ use unjournaled::{open_rw, recover, remove_journal};
 /// Version of the file's layout, in the root attribute `format_version`.
 pub const FORMAT_VERSION: u32 = 2;
 
-/// The value of the root attribute `outcome` until a run ends.
+/// Value of the root attribute `outcome` until a run ends.
 pub const RUNNING: &str = "running";
 
-/// Its value for an interrupted run.
+/// Value of the root attribute `outcome` of an interrupted run.
 pub const INTERRUPTED: &str = "interrupted";
 
-/// Longest time for which a finished frame stays only in memory.
+/// Longest time for which a finished frame is only in memory.
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
 
-/// Memory that frames waiting in the channel may take, bytes.
+/// Largest memory of the frames waiting in the channel, bytes.
 const QUEUE_BYTES: usize = 64 << 20;
 
-/// The commit that this program was built from, where it was built inside its own repository; "+" marks local changes.
+/// Returns the commit from which this program was built, if it was built in its own repository; "+" marks local changes.
 pub fn git_revision() -> Option<&'static str> {
     option_env!("BARWAVE_GIT_REVISION")
 }
 
-/// What the root attributes say of a run before its first step.
+/// Root attributes of a run that are known before its first step.
 #[derive(Debug, Clone, Default)]
 pub struct Header {
-    /// For people.
+    /// Title of the scene.
     pub title: String,
-    /// The scene file's exact text.
+    /// Exact text of the scene file.
     pub scene: String,
-    /// JSON with every default filled in.
+    /// Scene as JSON with all defaults.
     pub scene_resolved: String,
     /// Overrides (`--set`), as typed.
     pub overrides: Vec<String>,
     /// Effects that are simulated.
     pub effects: Vec<String>,
-    /// "fd" or "moc".
+    /// Method: "fd" or "moc".
     pub method: String,
-    /// "leapfrog", ...
+    /// Scheme: "leapfrog", ...
     pub scheme: String,
-    /// m/s; none where the data hold none.
+    /// Critical velocity, m/s; `None` if the data do not determine it.
     pub critical_velocity: Option<f64>,
     /// Notes on problematic settings of the scene, one sentence each.
     pub notes: Vec<String>,
-    /// Of a bar in torsion: the radius whose stress, strain and velocity are recorded, m. Momenta are then N m s.
+    /// Radius at which stress, strain and velocity are recorded, for a bar in torsion, m; momenta are then in N m s. `None` for an axial bar.
     pub torsion: Option<f64>,
-    /// Files that the scene names.
+    /// Files to which the scene refers.
     pub files: NamedFiles,
 }
 
-/// The geometry of a bar.
+/// Geometry of a bar.
 #[derive(Debug, Clone, Default)]
 pub struct Geometry {
-    /// m.
+    /// Length, m.
     pub length: f64,
     /// Segments from left to right.
     pub parts: Vec<Part>,
     /// Left and right bound of the cell around each sample, m.
     pub bounds: Vec<[f64; 2]>,
-    /// Cross-section at each sample, m^2; none where the scene gives none, and in torsion.
+    /// Cross-section at each sample, m^2; `None` if the scene gives none, and in torsion.
     pub area: Option<Vec<f64>>,
-    /// What makes forces (N), in torsion torques (N m), of the stresses of both ends; none where the scene gives no area.
+    /// Factors that convert the stresses of both ends into forces (N), or into torques (N m) in torsion; `None` if the scene gives no area.
     pub end_factors: Option<[f64; 2]>,
 }
 
-/// A segment of a bar.
+/// Segment of a bar.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// Left end, m.
+    /// Position of the left end, m.
     pub start: f64,
-    /// Right end, m.
+    /// Position of the right end, m.
     pub end: f64,
     /// Name of its material.
     pub material: String,
-    /// Cross-sections of its ends, m^2.
+    /// Cross-sections of its left and right end, m^2; `None` if the scene gives no area.
     pub areas: Option<[f64; 2]>,
 }
 
-/// What the file holds and how.
+/// Contents of the file and their format.
 #[derive(Debug, Clone)]
 pub struct Layout {
-    /// Of the bar.
+    /// Geometry of the bar.
     pub geometry: Geometry,
     /// Sample positions of the fields, m from the left end; `n_x` of them.
     pub x: Vec<f64>,
     /// Fields, in the order of the rows of every [`Frame`].
     pub fields: Vec<Field>,
-    /// Gauges: name and place, m.
+    /// Names and positions (m) of the gauges.
     pub gauges: Vec<(String, f64)>,
-    /// Numbers of the fields (axes, traces and ledger are always 8 bytes).
+    /// Precision of the fields (axes, traces and ledger are always stored in 8 bytes).
     pub precision: Precision,
     /// Compression of the fields and of `/paths`.
     pub compression: Compression,
-    /// Energies are J and momenta N s where true, per m^2 where false.
+    /// True if energies are in J and momenta in N s, false if they are per m^2.
     pub area_given: bool,
-    /// How the fields were sampled over x, for people; empty: not said.
+    /// Description of how the fields were sampled over x; empty if there is none.
     pub sampling: String,
-    /// The file has `/paths`.
+    /// True if the file has `/paths`.
     pub paths: bool,
-    /// Gauges have a column of the temperature.
+    /// True if the gauges record the temperature.
     pub temperature: bool,
 }
 
-/// An end of the bar.
+/// End of the bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// x = 0.
+    /// End at x = 0.
     Left,
-    /// x = length.
+    /// End at x = length.
     Right,
 }
 
 impl Side {
-    /// Name of the group under `/ends`.
+    /// Returns the name of the group under `/ends`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Left => "left",
@@ -206,37 +208,38 @@ impl Side {
     }
 }
 
-/// What is known when a run ends; written as root attributes.
+/// Results that are known when a run ends; most of them are written as root attributes.
 #[derive(Debug, Clone, Default)]
 pub struct RunFigures {
-    /// Whole run, s.
+    /// Wall time of the whole run, s.
     pub wall_seconds: f64,
-    /// Stepping alone, s.
+    /// Wall time of the solver alone, s.
     pub step_wall_seconds: f64,
-    /// Cells (0 where the method has none).
+    /// Number of cells (0 if the method has none).
     pub cells: u64,
-    /// Time steps.
+    /// Number of time steps; of events in front tracking.
     pub steps: u64,
-    /// Front collisions.
+    /// Number of events of front tracking: interactions of fronts, and steps of the ends.
     pub events: u64,
-    /// Cells times steps, as they were computed.
+    /// Number of cells times steps computed.
     pub cell_steps: u64,
-    /// Reason for which a run stopped.
+    /// Reason for which the run stopped, if it stopped early.
     pub reason: Option<String>,
-    /// Error against a reference, where there is one.
+    /// Error against a reference, if there is one.
     pub error: Option<ErrorFigure>,
-    /// `/paths` has every front up to the end.
+    /// True if `/paths` contains every front up to the end.
     pub paths_complete: bool,
-    /// Where and when the bar broke; none: it was not to break, and the file has no `/ruptures`.
+    /// Fractures of the bar; `None` if fracture was not simulated, in which case the file has no `/ruptures`.
     pub ruptures: Option<Vec<Rupture>>,
-    /// For `/figures`.
+    /// Figures for `/figures`.
     pub figures: Figures,
 }
 
-/// The writing end of a result file.
+/// Writing end of a result file.
 ///
-/// Every method passes its data to the writer thread; an error of that thread (a full disk, say) is returned by the
-/// next call. Dropping a writer without [`Writer::finish`] flushes what it was given and leaves `outcome = "running"`.
+/// Every method passes its data to the writer thread; an error of that thread (e.g. a full disk) is returned by the
+/// next call. Dropping a writer without [`Writer::finish`] flushes the data it was given and leaves
+/// `outcome = "running"`.
 #[derive(Debug)]
 pub struct Writer {
     path: PathBuf,
@@ -258,7 +261,7 @@ enum Message {
     Finish(Box<Trailer>),
 }
 
-/// Everything that [`Writer::finish`] writes.
+/// Data that [`Writer::finish`] writes.
 #[derive(Debug)]
 struct Trailer {
     outcome: String,
@@ -268,11 +271,10 @@ struct Trailer {
 }
 
 impl Writer {
-    /// Starts a result file: builds it under a temporary name, gives it its final one, and starts the writing thread.
-    /// Missing folders are made.
+    /// Starts a result file: builds it under a temporary name, renames it, and starts the writer thread. Missing folders are created.
     ///
     /// # Errors
-    /// [`Error::File`] where the file cannot be made or replaced; an older file is then untouched.
+    /// [`Error::File`] if the file cannot be created or replaced; an older file is then unchanged.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
         Self::start(Sink::create(path, header, layout, materials)?, path, layout)
     }
@@ -280,7 +282,7 @@ impl Writer {
     /// Reopens the file of an interrupted run and removes what was written after the checkpoint.
     ///
     /// # Errors
-    /// [`Error::File`] where the file cannot be written, or holds less than the checkpoint says.
+    /// [`Error::File`] if the file cannot be written, or contains less than the checkpoint refers to.
     pub fn resume(path: &Path, layout: &Layout, checkpoint: &Checkpoint) -> Result<Self> {
         Self::start(Sink::resume(path, layout, checkpoint)?, path, layout)
     }
@@ -295,12 +297,12 @@ impl Writer {
         Ok(Self { path: path.to_owned(), sender: Some(sender), failure: None, thread: Some(thread) })
     }
 
-    /// Where the file is.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Adds a frame; frames come in the order of time.
+    /// Adds a frame; frames must be in order of time.
     pub fn frame(&mut self, frame: Frame) -> Result<()> {
         self.send(Message::Frame(frame))
     }
@@ -310,7 +312,7 @@ impl Writer {
         self.send(Message::Gauge(index, trace))
     }
 
-    /// Adds rows to the history of an end (its `strain` is not kept).
+    /// Adds rows to the history of an end (its `strain` is not stored).
     pub fn end(&mut self, side: Side, trace: Trace) -> Result<()> {
         self.send(Message::End(side, trace))
     }
@@ -320,17 +322,17 @@ impl Writer {
         self.send(Message::Ledger(row))
     }
 
-    /// Adds straight segments of fronts; the layout must ask for them.
+    /// Adds straight segments of fronts; the layout must contain `paths`.
     pub fn paths(&mut self, rows: Vec<PathRow>) -> Result<()> {
         self.send(Message::Paths(rows))
     }
 
-    /// Flushes all data so far, then writes the corresponding checkpoint, with its row counts filled in.
+    /// Flushes all data so far, then writes the corresponding checkpoint with its row counts.
     pub fn checkpoint(&mut self, checkpoint: Checkpoint) -> Result<()> {
         self.send(Message::Checkpoint(Box::new(checkpoint)))
     }
 
-    /// Writes what is known only at the end, then the outcome, and closes the file.
+    /// Writes the results that are known only at the end, then the outcome, and closes the file.
     pub fn finish(mut self, outcome: &str, fronts: &[FrontRow], audit: &[AuditRow], figures: RunFigures) -> Result<()> {
         let ending = Trailer { outcome: outcome.into(), fronts: fronts.into(), audit: audit.into(), figures };
         self.send(Message::Finish(Box::new(ending)))?;
@@ -341,7 +343,7 @@ impl Writer {
         if self.sender.as_ref().is_some_and(|sender| sender.send(message).is_ok()) {
             return Ok(());
         }
-        // The thread is gone, and its result says why.
+        // The thread has ended, and its result is the reason.
         self.join()?;
         let closed = || ["the file is closed already".to_owned(), String::new()];
         let [reason, help] = self.failure.clone().unwrap_or_else(closed);
@@ -365,14 +367,14 @@ impl Writer {
 
 impl Drop for Writer {
     fn drop(&mut self) {
-        // Nobody is left to hear of an error here; what was flushed before it is in the file.
+        // An error cannot be reported from here; the data flushed before it are in the file.
         let _ = self.join();
     }
 }
 
-/// The writer thread: processes messages until the end and flushes at regular intervals.
+/// Runs the writer thread: processes messages until the end and flushes at regular intervals.
 fn serve(mut sink: Sink, messages: &Receiver<Message>) -> Result<()> {
-    // The first frame is on the disk at once.
+    // The first frame is written to the disk immediately.
     let mut next_flush = Instant::now();
     loop {
         let taken = match messages.recv_timeout(next_flush.saturating_duration_since(Instant::now())) {

@@ -1,6 +1,6 @@
-//! `/paths`: the fronts' straight pieces in x and t, a table that grows with the run. It is compressed as the fields are, and then
-//! written in whole chunks until the run ends: a compressed chunk that is written
-//! again would move, see `create`.
+//! `/paths`: straight segments of the fronts in x and t, a table that grows during the run. It is compressed as the
+//! fields are, and then written in whole chunks until the run ends, because a compressed chunk that is written again
+//! would move, see `create`.
 
 use hdf5::{Dataset, Extent, File, Group};
 use ndarray::s;
@@ -14,12 +14,12 @@ use crate::record::{Compression, PathRow};
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Rows in a chunk: also the most that a killed run loses where they are compressed.
+/// Number of rows in a chunk, which is also the largest number that a killed run loses if the table is compressed.
 const CHUNK: usize = 4096;
-/// Rows that wait before they are written without a flush.
+/// Number of waiting rows at which they are written without a flush.
 const BLOCK: usize = 16 * CHUNK;
 
-/// Columns: name, units, long name, value.
+/// Column: name, units, long name, value.
 type PathColumn = (&'static str, &'static str, &'static str, fn(&PathRow) -> f64);
 
 const COLUMNS: [PathColumn; 6] = [
@@ -31,17 +31,17 @@ const COLUMNS: [PathColumn; 6] = [
     ("speed", "m/s", "speed, positive in +x", |row| row.speed),
 ];
 
-/// Number of the row.
+/// Name of the scale that numbers the rows.
 const NUMBER: &str = "path";
 
-/// The empty table and its scale.
+/// Creates the empty table and its scale.
 pub(super) fn build(file: &File, compression: Compression) -> Hdf<()> {
     let group = file.create_group("paths")?;
     put_text(&group, "long_name", "straight segments of fronts")?;
     put(&group, "complete", &0_u8)?;
     for (name, units, long_name, _) in COLUMNS {
-        // A front starts where another ended, and runs at one of few speeds: whole numbers come again, in a quarter less bytes than
-        // shuffled ones take.
+        // A front starts where another one ended, and has one of few speeds, so that whole numbers recur. Without
+        // shuffling they need a quarter fewer bytes.
         let builder = compressed(group.new_dataset::<f64>(), compression);
         describe(&builder.chunk(CHUNK).shape(Extent::resizable(0)).create(name)?, units, long_name)?;
     }
@@ -50,14 +50,14 @@ pub(super) fn build(file: &File, compression: Compression) -> Hdf<()> {
     scales::attach(&group, &[NUMBER], &COLUMNS.map(|column| column.0))
 }
 
-/// All rows of a file.
+/// Returns all rows of a file.
 pub(super) fn read(file: &File) -> Hdf<Vec<PathRow>> {
     let group = file.group("paths")?;
     let mut columns = Vec::with_capacity(COLUMNS.len());
     for (name, ..) in COLUMNS {
         columns.push(bounded::column::<f64>(&group.dataset(name)?)?);
     }
-    // Only a file that was cut off in the middle of a flush has columns of different lengths.
+    // Columns differ in length only if the file was cut off during a flush.
     let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
     let row = |i: usize| PathRow {
         x0: columns[0][i],
@@ -70,7 +70,7 @@ pub(super) fn read(file: &File) -> Hdf<Vec<PathRow>> {
     Ok((0..rows).map(row).collect())
 }
 
-/// The table of an open file, and the rows that wait.
+/// Table of an open file, and the rows that have not been written yet.
 #[derive(Debug)]
 pub(super) struct PathTable {
     group: Group,
@@ -78,9 +78,9 @@ pub(super) struct PathTable {
     numbers: Dataset,
     waiting: Vec<PathRow>,
     written: usize,
-    /// Where they are compressed here.
+    /// Compressor, if the rows are compressed here and not by the library.
     chunks: Option<Chunks>,
-    /// What is written before the end comes in multiples of this.
+    /// Rows are written in multiples of this number before the end of the run.
     multiple: usize,
 }
 
@@ -93,7 +93,7 @@ impl PathTable {
         Ok(Self { numbers: group.dataset(NUMBER)?, group, columns, waiting: Vec::new(), written: 0, chunks, multiple })
     }
 
-    /// Keeps the first rows alone, and those that waited when there were so many.
+    /// Truncates the table to its first `rows` rows, and restores the rows that were waiting at this state.
     pub fn cut(&mut self, rows: usize, waiting: &[PathRow]) -> Hdf<()> {
         self.columns.iter().chain([&self.numbers]).try_for_each(|column| cut(column, rows))?;
         self.waiting = waiting.to_vec();
@@ -101,33 +101,33 @@ impl PathTable {
         Ok(())
     }
 
-    /// Rows in the file.
+    /// Returns the number of rows in the file.
     pub fn written(&self) -> usize {
         self.written
     }
 
-    /// Rows that wait.
+    /// Returns the rows that have not been written yet.
     pub fn waiting(&self) -> Vec<PathRow> {
         self.waiting.clone()
     }
 
-    /// Keeps rows; true where it is time to write.
+    /// Adds rows to the waiting ones; returns true if it is time to write them.
     pub fn push(&mut self, rows: &[PathRow]) -> bool {
         self.waiting.extend_from_slice(rows);
         self.waiting.len() >= BLOCK
     }
 
-    /// Bytes that waiting rows take at most.
+    /// Returns an upper bound of the size of the waiting rows in the file, bytes.
     pub fn bytes(&self) -> usize {
         size_of::<i64>() * (COLUMNS.len() + 1) * (self.waiting.len() + self.waiting.len() / 8).next_multiple_of(CHUNK)
     }
 
-    /// Writes the complete blocks of the waiting rows; the run continues.
+    /// Writes the complete blocks of the waiting rows while the run continues; returns true if something was written.
     pub fn write(&mut self) -> Hdf<bool> {
         self.write_rows(self.waiting.len() - self.waiting.len() % self.multiple)
     }
 
-    /// Writes the first of the waiting rows, then their numbers.
+    /// Writes the first `rows` waiting rows, then their numbers; returns true if something was written.
     fn write_rows(&mut self, rows: usize) -> Hdf<bool> {
         if rows == 0 {
             return Ok(false);
@@ -151,7 +151,7 @@ impl PathTable {
         Ok(true)
     }
 
-    /// Writes the remainder; true if every front is in the table.
+    /// Writes the remaining rows; `complete` is true if every front is in the table.
     pub fn finish(&mut self, complete: bool) -> Hdf<()> {
         self.write_rows(self.waiting.len())?;
         self.group.attr("complete")?.write_scalar(&u8::from(complete))

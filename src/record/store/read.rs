@@ -1,4 +1,4 @@
-//! Reading of result files, also unfinished ones, as plain data.
+//! Reading of result files, including unfinished ones, as plain data.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use crate::text_file::NamedFiles;
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// An open result file. Attributes are read immediately, data on request.
+/// Open result file. Attributes are read immediately, data on request.
 #[derive(Debug)]
 pub struct ResultFile {
     path: PathBuf,
@@ -29,72 +29,72 @@ pub struct ResultFile {
     metadata: Metadata,
 }
 
-/// The root attributes.
+/// Root attributes.
 #[derive(Debug, Clone, Default)]
 pub struct Metadata {
     /// Version of the program that wrote the file.
     pub program_version: String,
-    /// The commit it was built from, where known.
+    /// Commit from which the program was built, if known.
     pub git_revision: Option<String>,
-    /// When the run started, ISO 8601 UTC.
+    /// Start of the run, ISO 8601 in UTC.
     pub created: String,
-    /// For people.
+    /// Title of the scene.
     pub title: String,
-    /// The scene's exact text.
+    /// Exact text of the scene.
     pub scene: String,
-    /// JSON with every default filled in.
+    /// Scene as JSON with all defaults.
     pub scene_resolved: String,
     /// Overrides, as typed.
     pub overrides: Vec<String>,
-    /// Effects that the run took into account, with plasticity if the bar could yield.
+    /// Effects that the run simulated, including plasticity if the bar could yield.
     pub effects: Vec<String>,
     /// Notes on problematic settings of the scene; empty in files of older programs.
     pub notes: Vec<String>,
-    /// "fd" or "moc".
+    /// Method: "fd" or "moc".
     pub method: String,
-    /// "leapfrog", ...
+    /// Scheme: "leapfrog", ...
     pub scheme: String,
-    /// "done", "running", ...
+    /// Outcome: "done", "running", ...
     pub outcome: String,
-    /// Reason for which a run stopped.
+    /// Reason for which the run stopped, if it stopped early.
     pub reason: Option<String>,
-    /// "J" or "J/m^2".
+    /// Unit of energies: "J" or "J/m^2".
     pub energy_units: String,
-    /// m/s.
+    /// Critical velocity, m/s.
     pub critical_velocity: Option<f64>,
-    /// Whole run, s; none in an unfinished file, like all that follow.
+    /// Wall time of the whole run, s; `None` in an unfinished file, like all following fields.
     pub wall_seconds: Option<f64>,
-    /// Stepping alone, s.
+    /// Wall time of the solver alone, s.
     pub step_wall_seconds: Option<f64>,
-    /// Cells.
+    /// Number of cells.
     pub cells: Option<u64>,
-    /// Time steps.
+    /// Number of time steps; of events in front tracking.
     pub steps: Option<u64>,
-    /// Front collisions.
+    /// Number of events of front tracking: interactions of fronts, and steps of the ends.
     pub events: Option<u64>,
-    /// Cells times steps.
+    /// Number of cells times steps.
     pub cell_steps: Option<u64>,
-    /// Error against a reference.
+    /// Error against a reference, if there is one.
     pub error: Option<ErrorFigure>,
 }
 
 impl Metadata {
-    /// True until the run has ended: the file of a run in progress, or of a killed one.
+    /// Returns true until the run has ended: for the file of a run in progress, or of a killed one.
     pub fn is_unfinished(&self) -> bool {
         self.outcome == RUNNING
     }
 }
 
-/// The scene of a result file of any format version, which can be run again from it alone.
+/// Scene of a result file of any format version, which can be run again from this file alone.
 #[derive(Debug, Clone)]
 pub struct StoredScene {
-    /// Of the scene: the stem of its file.
+    /// Name of the scene: the stem of its file.
     pub name: String,
-    /// The scene's exact text.
+    /// Exact text of the scene.
     pub text: String,
     /// Overrides, as typed.
     pub overrides: Vec<String>,
-    /// The files that it names.
+    /// Files to which the scene refers.
     pub files: NamedFiles,
 }
 
@@ -124,14 +124,14 @@ impl StoredScene {
     }
 }
 
-/// A history at a place on the bar.
+/// History at a gauge of the bar.
 #[derive(Debug, Clone)]
 pub struct Gauge {
-    /// As the scene names it.
+    /// Name of the gauge in the scene.
     pub name: String,
-    /// m from the left end.
+    /// Position, m from the left end.
     pub x: f64,
-    /// The history.
+    /// History at the gauge.
     pub trace: Trace,
 }
 
@@ -139,7 +139,7 @@ impl ResultFile {
     /// Opens a result file.
     ///
     /// # Errors
-    /// [`InputError`] where the file is missing, no result file, or of a layout that this program does not know.
+    /// [`InputError`] if the file is missing, is not a result file, or has a layout that this program does not know.
     pub fn open(path: &Path) -> Result<Self> {
         let file = open(path)?;
         match get::<u32>(&file, "format_version") {
@@ -150,17 +150,17 @@ impl ResultFile {
         Ok(Self { path: path.to_owned(), file, metadata })
     }
 
-    /// Where the file is.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The root attributes.
+    /// Returns the root attributes.
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
     }
 
-    /// Frame times, s; in a file that was cut off, of the frames that every field has.
+    /// Returns the frame times, s; in a file that was cut off, only those of the frames that every field has.
     pub fn time(&self) -> Result<Vec<f64>> {
         self.of_bar(|file| {
             let mut time: Vec<f64> = bounded::column(&file.dataset("time")?)?;
@@ -171,20 +171,20 @@ impl ResultFile {
         })
     }
 
-    /// Sample positions, m.
+    /// Returns the sample positions, m.
     pub fn x(&self) -> Result<Vec<f64>> {
         self.of_bar(|file| bounded::column(&file.dataset("x")?))
     }
 
-    /// Fields in the file.
+    /// Returns the fields in the file.
     pub fn fields(&self) -> Vec<Field> {
         present(&self.file)
     }
 
-    /// Frames `rows` of a field, shape (rows, `n_x`).
+    /// Returns the frames `rows` of a field, with shape (rows, `n_x`).
     ///
     /// # Errors
-    /// An [`InputError`] where the file does not have the field, or not so many frames, or is damaged.
+    /// An [`InputError`] if the file does not have the field or the frames, or is damaged.
     pub fn field(&self, field: Field, rows: Range<usize>) -> Result<Array2<f64>> {
         self.has_frames(field, &rows)?;
         self.of_bar(|file| {
@@ -203,7 +203,7 @@ impl ResultFile {
         })
     }
 
-    /// Gauges, in the scene's order.
+    /// Returns the gauges, in the scene's order.
     pub fn gauges(&self) -> Result<Vec<Gauge>> {
         self.of_bar(|file| {
             gauge_groups(file)?
@@ -215,22 +215,22 @@ impl ResultFile {
         })
     }
 
-    /// History of an end.
+    /// Returns the history of an end.
     pub fn end(&self, side: Side) -> Result<Trace> {
         self.of_bar(|file| read_trace(&file.group(&format!("ends/{}", side.name()))?))
     }
 
-    /// Torque at an end in torsion, N m, at the times of [`Self::end`]; empty where the file has none.
+    /// Returns the torque at an end in torsion, N m, at the times of [`Self::end`]; empty if the file has none.
     pub fn end_torque(&self, side: Side) -> Result<Vec<f64>> {
         self.of_bar(|file| column(&file.group(&format!("ends/{}", side.name()))?, END_TORQUE[0]))
     }
 
-    /// The ledger.
+    /// Returns the ledger.
     pub fn ledger(&self) -> Result<Vec<LedgerRow>> {
         self.of_bar(|file| read_ledger(&file.group("ledger")?))
     }
 
-    /// Fronts; empty in an unfinished file.
+    /// Returns the fronts; empty for an unfinished file.
     pub fn fronts(&self) -> Result<Vec<FrontRow>> {
         self.run(|file| {
             if !file.link_exists("fronts") {
@@ -241,27 +241,27 @@ impl ResultFile {
         })
     }
 
-    /// Straight pieces of fronts, in the order in which they ended; empty where the file has none.
+    /// Returns the straight segments of fronts, in the order in which they ended; empty if the file has none.
     pub fn paths(&self) -> Result<Vec<PathRow>> {
         self.run(|file| if file.link_exists("paths") { paths::read(file) } else { Ok(Vec::new()) })
     }
 
-    /// Neglected effects; empty in an unfinished file.
+    /// Returns the neglected effects; empty for an unfinished file.
     pub fn audit(&self) -> Result<Vec<AuditRow>> {
         self.run(|file| if file.link_exists("audit") { read_audit(&file.group("audit")?) } else { Ok(Vec::new()) })
     }
 
-    /// Tells the run that wrote the file from every other one; empty in files of programs that did not say.
+    /// Returns the unique identifier of the run that wrote the file; empty in files of programs that did not write it.
     pub fn run_id(&self) -> String {
         get_text(&self.file, "run_id").unwrap_or_default()
     }
 
-    /// The files that the scene names.
+    /// Returns the files to which the scene refers.
     pub fn scene_files(&self) -> Result<NamedFiles> {
         self.run(read_scene_files)
     }
 
-    /// Curves as the run used them.
+    /// Returns the stress-strain curves as the run used them.
     pub fn materials(&self) -> Result<Vec<MaterialRecord>> {
         self.run(|file| {
             let group = file.group("material")?;
@@ -269,12 +269,12 @@ impl ResultFile {
         })
     }
 
-    /// Unit of the momentum and the impulse in the ledger.
+    /// Returns the unit of the momentum and the impulse in the ledger.
     pub fn momentum_units(&self) -> &'static str {
         momentum_units(self.is_in_torsion(), self.metadata().energy_units == energy_units(true))
     }
 
-    /// Of a bar in torsion: its stresses, strains and velocities are those of shear.
+    /// Returns true if the bar is in torsion: its stresses, strains and velocities are then those of shear.
     pub fn is_in_torsion(&self) -> bool {
         self.run(|file| Ok(get_text(file, "mode").is_ok())).unwrap_or(false)
     }
@@ -298,7 +298,7 @@ impl ResultFile {
         Err(wrong(&self.path, &message, help).allowed(format!("0 <= start <= end <= {frames}")).into())
     }
 
-    /// Reads what only the result of a bar has.
+    /// Reads data that only the result of a bar has.
     fn of_bar<T>(&self, read: impl FnOnce(&File) -> Hdf<T>) -> Result<T> {
         self.needs_bar()?;
         self.run(read)
@@ -309,7 +309,7 @@ impl ResultFile {
     }
 }
 
-/// A file that barwave wrote.
+/// Opens a file that barwave wrote.
 fn open(path: &Path) -> Result<SharedFile> {
     if path.is_dir() {
         return Err(wrong(path, "this is a folder", "name a result file in it").into());
@@ -318,7 +318,7 @@ fn open(path: &Path) -> Result<SharedFile> {
         return Err(wrong(path, "no such file", "name a result file that `barwave run` wrote").into());
     }
     super::recover(path);
-    // What cannot be read here is told by the library.
+    // Files that cannot be read here are reported by the library.
     if !heap::have_ends(path).unwrap_or(true) {
         let message = "the result file is damaged: a list of texts in it has no end";
         return Err(wrong(path, message, "copy it again, or run its scene again").into());
@@ -343,7 +343,7 @@ fn wrong(path: &Path, message: &str, help: &str) -> InputError {
     InputError::new(format!("{}: {message}", path.display())).help(help)
 }
 
-/// A file of another layout.
+/// Returns the error for a file of another layout.
 fn other_version(path: &Path, found: Option<u32>) -> InputError {
     let shown = path.display();
     match found {
@@ -428,7 +428,7 @@ fn present(file: &File) -> Vec<Field> {
     Field::ALL.into_iter().filter(|field| file.link_exists(field.name())).collect()
 }
 
-/// Gauge groups with their link names, in the scene's order (links are kept in alphabetical order).
+/// Returns the groups of the gauges with their link names, in the scene's order (HDF5 lists links in alphabetical order).
 pub(super) fn gauge_groups(file: &File) -> Hdf<Vec<(String, Group)>> {
     let gauges = file.group("gauges")?;
     let mut groups = Vec::new();
@@ -448,7 +448,7 @@ fn read_trace(group: &Group) -> Hdf<Trace> {
         velocity: column(group, "velocity")?,
         temperature: column(group, "temperature")?,
     };
-    // Only a file that was cut off in the middle of a flush has columns of different lengths.
+    // Columns differ in length only if the file was cut off during a flush.
     let rows = trace.time.len().min(trace.stress.len()).min(trace.velocity.len());
     let temperature = &mut trace.temperature;
     for values in [&mut trace.time, &mut trace.stress, &mut trace.strain, &mut trace.velocity, temperature] {
@@ -462,7 +462,7 @@ fn read_ledger(group: &Group) -> Hdf<Vec<LedgerRow>> {
     let [time, work_left, work_right, momentum, impulse, residual] = rest.map(|name| column(group, name));
     let (time, work, momentum) = (time?, [work_left?, work_right?], momentum?);
     let (impulse, residual) = (impulse?, residual?);
-    // Older files lack some energies, and have `viscous` for two of them.
+    // Older files lack some energies, and have `viscous` instead of two of them.
     let mut energies = Vec::new();
     for [name, _] in Energies::COLUMNS {
         let stored = if *name == "numerical" && group.link_exists("viscous") { "viscous" } else { name };
@@ -504,7 +504,7 @@ fn read_fronts(group: &Group, gauges: &[String]) -> Hdf<Vec<FrontRow>> {
     let [speed, measured] = ["speed", "speed_measured"].map(|name| column(group, name));
     let [position, last_seen] = ["position", "last_seen"].map(|name| column(group, name));
     let (speeds, places) = ([speed?, measured?], [position?, last_seen?]);
-    // Not in files of earlier versions.
+    // Files of earlier versions do not have this column.
     let load_held_until = column(group, "load_held_until").unwrap_or_default();
     let arrivals =
         gauges.iter().map(|gauge| column(group, &format!("arrival_{gauge}"))).collect::<Hdf<Vec<Vec<f64>>>>()?;

@@ -1,4 +1,4 @@
-//! Ruptures: `/ruptures` of a result file.
+//! Fractures: `/ruptures` of a result file.
 
 use hdf5::File;
 
@@ -8,20 +8,20 @@ use super::tables::{self, Column, numbers, texts};
 use crate::error::Result;
 use crate::law::rupture::Rupture;
 
-/// A rupture as a reader sees it.
+/// Fracture as read from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredRupture {
-    /// "left end", "right end", "joint 1", ..., "segment 1", ...
+    /// Site: "left end", "right end", "joint 1", ..., "segment 1", ...
     pub site: String,
     /// Criterion that was met.
     pub cause: String,
-    /// s.
+    /// Time of the fracture, s.
     pub time: f64,
     /// Position in the undeformed bar, m.
     pub x: f64,
-    /// Engineering stress at the rupture, Pa.
+    /// Engineering stress at the fracture, Pa.
     pub stress: f64,
-    /// Engineering strain at the rupture.
+    /// Engineering strain at the fracture.
     pub strain: f64,
 }
 
@@ -45,10 +45,10 @@ pub(super) fn write(file: &File, ruptures: &[Rupture], area_given: bool) -> hdf5
 }
 
 impl ResultFile {
-    /// Ruptures in the order in which they happened; none in an unfinished file, or where nothing was to break.
+    /// Returns the fractures in order of time; empty for an unfinished file, or if fracture was not simulated.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// An error if the file cannot be read.
     pub fn ruptures(&self) -> Result<Vec<StoredRupture>> {
         self.run(|file| {
             if !file.link_exists("ruptures") {

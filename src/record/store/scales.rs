@@ -1,5 +1,5 @@
-//! HDF5 dimension scales, written attribute by attribute (the library's own routines are in its high-level part, which
-//! is not linked in). The layout is that of the HDF5 dimension scale specification: `CLASS` and `NAME` on the scale,
+//! HDF5 dimension scales, written attribute by attribute (the library's own functions are in its high-level part, which
+//! is not linked). The layout is that of the HDF5 dimension scale specification: `CLASS` and `NAME` on the scale,
 //! `DIMENSION_LIST` on the data, `REFERENCE_LIST` back on the scale.
 #![allow(unsafe_code)]
 
@@ -12,7 +12,7 @@ use hdf5_sys::h5p::H5P_DEFAULT;
 use hdf5_sys::h5s::{H5S_class_t, H5Sclose, H5Screate};
 use hdf5_sys::h5t::{H5Tclose, H5Tcopy, H5Tset_size};
 
-/// An entry of `REFERENCE_LIST`: a dataset, and which of its dimensions the scale labels.
+/// Entry of `REFERENCE_LIST`: a dataset, and the index of its dimension that the scale labels.
 #[derive(hdf5::H5Type, Clone, Copy)]
 #[repr(C)]
 struct BackReference {
@@ -20,12 +20,12 @@ struct BackReference {
     dimension: i32,
 }
 
-/// A dimension of a group: the name of its scale.
+/// Dimension of a group, given by the name of its scale.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Axis<'a> {
-    /// Values of the scale are the coordinates of its dimension.
+    /// Scale whose values are the coordinates of its dimension.
     Coordinate(&'a str),
-    /// The scale has no values: netCDF knows it by its name as a dimension without a coordinate.
+    /// Scale without values: netCDF reads it as a dimension without a coordinate.
     Bare(&'a str),
 }
 
@@ -37,22 +37,23 @@ impl<'a> Axis<'a> {
     }
 }
 
-/// Makes the datasets `scales` of a group label the dimensions of the datasets `data`, first scale first dimension.
-/// A dataset has as many dimensions as there are scales.
+/// Attaches the datasets `scales` of a group to the dimensions of the datasets `data`, the first scale to the first
+/// dimension. Each dataset has as many dimensions as there are scales.
 pub(super) fn attach(group: &Group, scales: &[&str], data: &[&str]) -> Result<()> {
     let data: Vec<(&str, usize)> = data.iter().map(|name| (*name, scales.len())).collect();
     attach_first(group, scales, &data)
 }
 
-/// The same of datasets with so many dimensions each, those of the first scales.
+/// Attaches the scales to datasets with fewer dimensions: each dataset is given with the number of its dimensions,
+/// which are labelled by the first scales.
 pub(super) fn attach_first(group: &Group, scales: &[&str], data: &[(&str, usize)]) -> Result<()> {
     let axes: Vec<Axis> = scales.iter().map(|name| Axis::Coordinate(name)).collect();
     let data: Vec<(&str, &[&str])> = data.iter().map(|(name, dimensions)| (*name, &scales[..*dimensions])).collect();
     attach_axes(group, &axes, &data)
 }
 
-/// Makes scales of `axes`, and lets them label the dimensions of datasets as these list them. Called once for a group: every scale gets
-/// its whole list.
+/// Turns `axes` into scales and attaches them to the dimensions of datasets, each given with its list of scales. To be
+/// called once for a group, because every scale gets its complete list.
 pub(super) fn attach_axes(group: &Group, axes: &[Axis<'_>], data: &[(&str, &[&str])]) -> Result<()> {
     for axis in axes {
         let dataset = group.dataset(axis.name())?;
@@ -99,13 +100,13 @@ fn refer_back(group: &Group, scale: &str, data: &[(&str, &[&str])]) -> Result<()
     dataset.new_attr::<BackReference>().shape(list.len()).create("REFERENCE_LIST")?.write_raw(&list)
 }
 
-/// Writes a fixed-length text attribute that ends with a zero byte. Readers know a scale only by such a `CLASS`; the
-/// fixed strings of the safe interface are padded instead.
+/// Writes a fixed-length text attribute terminated by a zero byte. Readers recognize a scale only by a `CLASS` of this
+/// form; the fixed-length texts of the safe interface are padded instead.
 fn null_terminated_attribute(location: &Location, name: &str, value: &str) -> Result<()> {
     let to_c = |s: &str| CString::new(s).map_err(|e| hdf5::Error::from(e.to_string()));
     let (name, value) = (to_c(name)?, to_c(value)?);
     let size = value.as_bytes_with_nul().len();
-    // SAFETY: every id is made here, checked, and closed here; `value` has `size` bytes, which is what the type says.
+    // SAFETY: every id is created, checked and closed here; `value` has `size` bytes, which is the size of the type.
     let written = hdf5::sync::sync(|| unsafe {
         let text = H5Tcopy(*hdf5::globals::H5T_C_S1);
         let space = H5Screate(H5S_class_t::H5S_SCALAR);

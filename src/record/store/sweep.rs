@@ -1,4 +1,4 @@
-//! The table of a sweep as an HDF5 file.
+//! Table of a sweep as an HDF5 file.
 
 use std::path::Path;
 
@@ -12,15 +12,15 @@ use crate::error::Result;
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Root attribute `format` of such files.
+/// Value of the root attribute `format` of sweep tables.
 pub(super) const SWEEP_FORMAT: &str = "barwave-sweep";
 
 /// Values of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Not a number where there is no value.
+    /// Numbers; NaN for missing values.
     Numbers(Vec<f64>),
-    /// UTF-8.
+    /// UTF-8 texts.
     Texts(Vec<String>),
 }
 
@@ -33,34 +33,34 @@ impl Values {
     }
 }
 
-/// A column, or the scale of a dimension.
+/// Column, or scale of a dimension.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepColumn {
     /// Name of the dataset.
     pub name: String,
-    /// SI; empty for plain numbers and texts.
+    /// SI unit; empty for dimensionless numbers and texts.
     pub units: String,
-    /// In the order of the cases.
+    /// Values in the order of the cases.
     pub values: Values,
 }
 
-/// A table over one or more dimensions.
+/// Table over one or more dimensions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepFile {
-    /// For people.
+    /// Title of the sweep.
     pub title: String,
-    /// The plan of the sweep, as JSON.
+    /// Plan of the sweep, as JSON.
     pub plan: String,
-    /// The dimensions, the last one fastest.
+    /// Scales of the dimensions; the last dimension varies fastest.
     pub scales: Vec<SweepColumn>,
-    /// Each has as many values as the product of the scales, or of the first ones of them.
+    /// Columns; the number of values of each is the product of the lengths of all scales, or of the first ones.
     pub columns: Vec<SweepColumn>,
 }
 
-/// Writes the file, in place of an older one once it is complete.
+/// Writes the file; it replaces an older one when it is complete.
 ///
 /// # Errors
-/// [`crate::error::Error::File`] where it cannot be written.
+/// [`crate::error::Error::File`] if it cannot be written.
 pub fn write_sweep(path: &Path, sweep: &SweepFile) -> Result<()> {
     in_place(path, |file| -> Hdf<()> {
         identify(file, SWEEP_FORMAT, &sweep.title)?;
@@ -71,7 +71,7 @@ pub fn write_sweep(path: &Path, sweep: &SweepFile) -> Result<()> {
         }
         let dimensions = |column: &SweepColumn| {
             let fits = |k: &usize| shape[..*k].iter().product::<usize>() == column.values.len();
-            // A dimension of length 1 belongs to every table of a sweep.
+            // Every table of a sweep also spans the dimensions of length 1.
             (1..=shape.len()).rev().find(fits).unwrap_or(shape.len())
         };
         for column in &sweep.columns {

@@ -1,7 +1,7 @@
-//! Tables: a group with a one-dimensional dataset for each column, and a dimension scale that numbers the rows. Every column has the
-//! attributes `units` (but for texts) and `long_name`.
+//! Tables: a group with a one-dimensional dataset for each column, and a dimension scale that numbers the rows. Every
+//! column has the attributes `units` (except texts) and `long_name`.
 //!
-//! Compound datasets would hold a table in one piece, but netCDF-4 knows no texts inside of them, and their columns have no attributes.
+//! A compound dataset would hold a table in one piece, but netCDF-4 does not support texts in compound types, and their members have no attributes.
 
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Group};
@@ -11,7 +11,7 @@ use super::{bounded, scales};
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// A column of a table.
+/// Column of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Column {
     pub name: String,
@@ -19,12 +19,12 @@ pub(super) struct Column {
     pub values: Values,
 }
 
-/// The values of a column.
+/// Values of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Values {
-    /// UTF-8 of variable length.
+    /// UTF-8 texts of variable length.
     Texts(Vec<String>),
-    /// With their unit.
+    /// Numbers with their unit.
     Numbers(&'static str, Vec<f64>),
 }
 
@@ -54,12 +54,12 @@ impl Column {
     }
 }
 
-/// Bytes that a table takes at most, besides its texts.
+/// Returns an upper bound of the size of a table without its texts, bytes.
 pub(super) fn bytes(columns: usize, rows: usize) -> u64 {
     (columns as u64 + 1) * (2048 + 16 * rows as u64)
 }
 
-/// Writes a table of `rows` rows, numbered by the scale `row`; every column has that many values.
+/// Writes a table of `rows` rows, numbered by the scale `row`; every column has this number of values.
 pub(super) fn write(parent: &Group, name: &str, row: &str, columns: &[Column], rows: usize) -> Hdf<Group> {
     let group = parent.create_group(name)?;
     numbering(&group, row, rows)?;
@@ -69,7 +69,7 @@ pub(super) fn write(parent: &Group, name: &str, row: &str, columns: &[Column], r
     Ok(group)
 }
 
-/// A one-dimensional dataset that numbers `rows` rows from 0.
+/// Creates a one-dimensional dataset that numbers `rows` rows from 0.
 fn numbering(group: &Group, name: &str, rows: usize) -> Hdf<Dataset> {
     let numbers: Vec<i64> = (0_i64..).take(rows).collect();
     let dataset = group.new_dataset::<i64>().shape(rows).create(name)?;
@@ -79,12 +79,12 @@ fn numbering(group: &Group, name: &str, rows: usize) -> Hdf<Dataset> {
     Ok(dataset)
 }
 
-/// A column of numbers; empty where there is none.
+/// Returns a column of numbers; empty if the group does not have it.
 pub(super) fn numbers(group: &Group, name: &str) -> Hdf<Vec<f64>> {
     if group.link_exists(name) { bounded::column(&group.dataset(name)?) } else { Ok(Vec::new()) }
 }
 
-/// A column of texts.
+/// Returns a column of texts.
 pub(super) fn texts(group: &Group, name: &str) -> Hdf<Vec<String>> {
     let texts: Vec<VarLenUnicode> = bounded::column(&group.dataset(name)?)?;
     Ok(texts.iter().map(ToString::to_string).collect())

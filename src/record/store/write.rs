@@ -26,9 +26,9 @@ use crate::units::{Dimension, System, format};
 
 type Hdf<T> = hdf5::Result<T>;
 
-/// Frames are written together up to this many bytes.
+/// Size of the waiting frames from which they are written, bytes.
 const BLOCK_BYTES: usize = 4 << 20;
-/// The open file and what waits to be written to it.
+/// Open file and the data that have not been written to it yet.
 #[derive(Debug)]
 pub(super) struct Sink {
     path: PathBuf,
@@ -36,46 +36,46 @@ pub(super) struct Sink {
     file: File,
     frames: Frames,
     gauges: Vec<Table>,
-    /// Name of the group of each gauge, and its own.
+    /// Name of the group of each gauge, and name of the gauge.
     gauge_names: Vec<(String, String)>,
-    /// Energies are J.
+    /// True if energies are in J, false if they are per m^2.
     area_given: bool,
     /// See [`super::Geometry`].
     end_factors: Option<[f64; 2]>,
     ends: [Table; 2],
     ledger: Table,
     paths: Option<PathTable>,
-    /// Of the run.
+    /// Identifier of the run.
     run_id: String,
-    /// Something was written since the last flush.
+    /// True if something was written since the last flush.
     unflushed: bool,
 }
 
-/// The fields over x and t.
+/// Fields over x and t.
 #[derive(Debug)]
 struct Frames {
     time: Dataset,
     fields: Vec<Dataset>,
     precision: Precision,
-    /// None: the filters of the datasets are those of the library.
+    /// Compressor; `None` if the library filters the datasets.
     chunks: Option<Chunks>,
     columns: usize,
     written: usize,
-    /// Time of the last one of them, s.
+    /// Time of the last frame written, s.
     last: Option<f64>,
     times: Vec<f64>,
-    /// Rows waiting, one block a field.
+    /// Waiting rows, one block per field.
     blocks: Vec<Vec<f64>>,
 }
 
-/// Pauses in which a run waits for its own new file.
+/// Number and length of the pauses in which a run waits for access to its own new file.
 const PATIENCE: usize = 200;
 const PAUSE: std::time::Duration = std::time::Duration::from_millis(5);
 
-/// One-dimensional columns of equal length that grow together; the first is time.
+/// One-dimensional columns of equal length that grow together; the first is the time.
 #[derive(Debug)]
 struct Table {
-    /// Their dimension, which has no values.
+    /// Dimension of the columns, which has no values.
     samples: Dataset,
     columns: Vec<Dataset>,
     waiting: Vec<Vec<f64>>,
@@ -83,7 +83,7 @@ struct Table {
 }
 
 impl Sink {
-    /// Builds the file beside its final place, then moves it there.
+    /// Builds the file next to its final place, then moves it there.
     pub fn create(path: &Path, header: &Header, layout: &Layout, materials: &[MaterialRecord]) -> Result<Self> {
         let claim = in_place(path, |file| build(file, header, layout, materials))?;
         Self::claimed(path, &claim, layout, PATIENCE)
@@ -100,7 +100,8 @@ impl Sink {
         Ok(sink)
     }
 
-    /// `patience`: how many times it waits for one that has opened this file for its own, and is about to find that it is not.
+    /// Opens the file. `patience` is the number of pauses in which it waits for a process that has opened this file
+    /// instead of its own and is about to notice it.
     fn claimed(path: &Path, claim: &Claim, layout: &Layout, patience: usize) -> Result<Self> {
         let open = || Self::open(path, claim.share()?, layout);
         let mut opened = open();
@@ -120,7 +121,7 @@ impl Sink {
         Ok(sink)
     }
 
-    /// Takes out all that was written after a checkpoint: rows, and what a run writes when it ends.
+    /// Removes all that was written after a checkpoint: rows, and the data that a run writes when it ends.
     fn cut(&mut self, checkpoint: &Checkpoint) -> Hdf<()> {
         let Rows { frames, gauges, ends, ledger, paths } = &checkpoint.rows;
         self.frames.cut(*frames)?;
@@ -189,7 +190,7 @@ impl Sink {
         })
     }
 
-    /// Takes one message; much is written at once, little waits for the next flush.
+    /// Processes one message. Large amounts of data are written immediately; small ones wait for the next flush.
     pub fn take(&mut self, message: Message) -> Result<()> {
         let much = match message {
             Message::Frame(frame) => self.frames.push(&frame),
@@ -219,7 +220,7 @@ impl Sink {
         Ok(())
     }
 
-    /// Keeps rows of an end; true where it is time to write.
+    /// Adds rows of an end to the waiting ones; returns true if it is time to write them.
     fn push_end(&mut self, side: Side, Trace { time, stress, velocity, .. }: &Trace) -> Hdf<bool> {
         let table = &mut self.ends[side as usize];
         let Some(factors) = self.end_factors else { return table.push(&[time, stress, velocity]) };
@@ -227,7 +228,7 @@ impl Sink {
         table.push(&[time, stress, velocity, &loads])
     }
 
-    /// Writes whatever waits and hands it to the operating system.
+    /// Writes all waiting data and passes them to the operating system.
     pub fn flush(&mut self) -> Result<()> {
         self.write_waiting()?;
         self.claim.holds()?;
@@ -252,7 +253,7 @@ impl Sink {
         Ok(())
     }
 
-    /// Writes the tables known only at the end, then the outcome as the very last thing.
+    /// Writes the tables that are known only at the end, then the outcome as the very last item.
     pub fn finish(&mut self, ending: &Trailer) -> Result<()> {
         self.flush()?;
         let tables = tables::bytes(16 + self.gauges.len(), ending.fronts.len()) + tables::bytes(32, ending.audit.len());
@@ -267,7 +268,7 @@ impl Sink {
         Ok(())
     }
 
-    /// Makes room for all that waits, and for `more` bytes.
+    /// Reserves space for all waiting data, and for `more` bytes.
     fn reserve(&mut self, more: u64) -> Result<()> {
         let tables = self.gauges.iter().chain(&self.ends).chain(std::iter::once(&self.ledger));
         let waiting = self.frames.bytes()
@@ -283,12 +284,12 @@ impl Sink {
         })
     }
 
-    /// Gives the disk back what the file does not use.
+    /// Releases the disk space that the file does not use.
     pub fn release(&self) {
         self.claim.release(self.file.size());
     }
 
-    /// Writes to a file that cannot be continued the reason for this. All its frames are kept.
+    /// Writes the reason to a file that cannot be continued. All its frames are kept.
     pub fn abandon(&self, error: &Error) {
         let Error::File { reason, .. } = error else { return };
         let said = put_text(&self.file, "reason", reason)
@@ -332,7 +333,7 @@ impl Frames {
         })
     }
 
-    /// Keeps the first rows alone.
+    /// Truncates the frames to the first `rows` ones.
     fn cut(&mut self, rows: usize) -> Hdf<()> {
         for dataset in &self.fields {
             if is_longer(dataset, rows)? {
@@ -346,7 +347,7 @@ impl Frames {
         Ok(())
     }
 
-    /// Keeps a frame; true where it is time to write.
+    /// Adds a frame to the waiting ones; returns true if it is time to write them.
     fn push(&mut self, frame: &Frame) -> Hdf<bool> {
         if frame.rows.len() != self.blocks.len() || frame.rows.iter().any(|row| row.len() != self.columns) {
             return Err(format!(
@@ -364,13 +365,14 @@ impl Frames {
         Ok(8 * self.times.len() * self.columns * self.blocks.len() >= BLOCK_BYTES)
     }
 
-    /// Bytes that waiting rows take at most.
+    /// Returns an upper bound of the size of the waiting frames in the file, bytes.
     fn bytes(&self) -> usize {
-        // Deflate makes what it cannot compress a little longer; every frame is a chunk with an entry in a tree.
+        // Deflate lengthens incompressible data slightly; every frame is a chunk with an entry in a tree.
         self.times.len() * (9 * self.columns + 256) * self.blocks.len()
     }
 
-    /// Writes the waiting rows, fields before times: a file cut off in between has no time without its fields.
+    /// Writes the waiting frames, fields before times, so that a file cut off in between has no time without its
+    /// fields. Returns true if something was written.
     fn write(&mut self) -> Hdf<bool> {
         let rows = self.times.len();
         if rows == 0 {
@@ -407,14 +409,14 @@ impl Table {
         Ok(Self { samples: group.dataset(SAMPLE)?, columns, waiting, written: 0 })
     }
 
-    /// Keeps the first rows alone.
+    /// Truncates the table to the first `rows` rows.
     fn cut(&mut self, rows: usize) -> Hdf<()> {
         self.written = rows;
         self.columns.iter().try_for_each(|dataset| cut(dataset, rows))?;
         cut(&self.samples, rows)
     }
 
-    /// Keeps rows, given column by column; true where it is time to write.
+    /// Adds rows, given column by column, to the waiting ones; returns true if it is time to write them.
     fn push(&mut self, columns: &[&[f64]]) -> Hdf<bool> {
         let rows = columns.first().map_or(0, |column| column.len());
         if columns.len() != self.waiting.len() || columns.iter().any(|column| column.len() != rows) {
@@ -426,13 +428,13 @@ impl Table {
         Ok(self.waiting[0].len() >= TRACE_ROWS)
     }
 
-    /// Bytes that waiting rows take at most: whole chunks.
+    /// Returns an upper bound of the size of the waiting rows in the file, in whole chunks, bytes.
     fn bytes(&self) -> usize {
         let chunks = if self.waiting[0].is_empty() { 0 } else { 1 + self.waiting[0].len().div_ceil(TRACE_ROWS) };
         8 * TRACE_ROWS * chunks * self.columns.len()
     }
 
-    /// Writes the waiting rows, time last.
+    /// Writes the waiting rows, time last. Returns true if something was written.
     fn write(&mut self) -> Hdf<bool> {
         let rows = self.waiting[0].len();
         if rows == 0 {
@@ -452,7 +454,7 @@ fn disk_error(path: &Path, error: &hdf5::Error) -> Error {
     Error::file(path, format!("cannot write the result: {error}; is the disk full?"))
 }
 
-/// Names of the links and of the attributes of the root.
+/// Returns the names of the links and of the attributes of the root.
 fn members(file: &File) -> Hdf<[Vec<String>; 2]> {
     Ok([file.member_names()?, file.attr_names()?])
 }
@@ -528,7 +530,7 @@ fn ledger_values(row: &LedgerRow) -> Vec<f64> {
     values
 }
 
-/// The library could not open a file because another process has it open for writing.
+/// Returns true if the library could not open a file because another process has it open for writing.
 fn is_locked(error: &hdf5::Error) -> bool {
     let said = error.to_string();
     said.contains("unable to lock file") || said.contains("lock request failed")

@@ -1,4 +1,4 @@
-//! One candidate method for a tolerance: its pilot runs so far, and its predicted cost.
+//! Candidate method for a tolerance: its pilots so far, and its predicted cost.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,50 +7,52 @@ use crate::record::Worst;
 use crate::scene::{MOST_EVENTS, Method, Rate, Scene};
 use crate::solver::moc::COMPANION_RATIO;
 
-/// Cells of the first pilot on a grid, with companions of a half, a quarter and an eighth.
+/// Cells of the first pilot on a grid, with companions of a half, a quarter and an eighth of the cells.
 pub(super) const FIRST_CELLS: usize = 128;
 /// Front tolerance of the first pilot.
 const FIRST_TOLERANCE: f64 = 0.1;
 
-/// Finest that is tried.
+/// Finest resolutions that are tried.
 pub(super) const MOST_CELLS: f64 = 5e6;
 pub(super) const LEAST_TOLERANCE: f64 = 1e-8;
 
-/// The run may be finer than its method's last pilot by these factors: estimates that are carried farther miss too often.
+/// Largest factors by which the run may be finer than its method's last pilot: estimates that are extrapolated further miss the tolerance too often.
 pub(super) const LEAP_CELLS: f64 = 2.5;
 pub(super) const LEAP_TOLERANCE: f64 = 3.5;
-/// It is so much finer than predicted, so that it seldom has to be repeated.
+/// Factor by which the run is finer than predicted, so that it rarely has to be repeated.
 const MARGIN: f64 = 1.15;
 
-/// After a run that missed the next one is finer by this at least.
+/// Smallest refinement after a run that missed the tolerance.
 const LEAST_STEP: f64 = 1.5;
-/// Lowest order that two pilots are believed.
+/// Smallest order that is accepted from two pilots.
 const LOWEST_ORDER: f64 = 0.3;
 
-/// A grid whose error falls to no less than this part, with so many times the cells, has a part that no grid cures.
+/// Stagnation of a grid: if the error is still larger than this fraction with this many times the cells, part of the error does not decrease with
+/// refinement.
 const STUCK: (f64, f64) = (0.8, 16.0);
 
-/// Events that a pilot may take before anything is known of other methods.
+/// Largest number of events of a first pilot while no other method has a prediction.
 pub(super) const UNRIVALLED_EVENTS: u64 = 10_000_000;
 
-/// Order in the front tolerance that is assumed until two pilots tell, and those that are believed.
+/// Order in the front tolerance assumed until two pilots determine it, and the range of accepted orders.
 pub(super) const FRONT_ORDER: f64 = 1.0;
 pub(super) const FRONT_ORDERS: [f64; 2] = [0.5, 1.2];
-/// Powers of one over the tolerance with which events are believed to grow, the first until two pilots tell.
+/// Range of accepted exponents of 1/tolerance in the number of events; the first one is assumed until two pilots determine it.
 const EVENT_GROWTH: [f64; 2] = [1.0, 3.0];
 
-/// Pilots of front tracking with fewer events than this are cheaper than any grid's.
+/// Number of events below which a pilot of front tracking is cheaper than a pilot on any grid.
 pub(super) const FEW_EVENTS: u64 = 300;
-/// A pilot of front tracking is given up when it costs so many times more than the best grid is expected to.
+/// Ratio to the expected cost of the best other candidate at which a pilot of front tracking is stopped.
 pub(super) const PATIENCE: f64 = 2.0;
 
-/// Nominal time of the longest run that a tolerance may come to, s.
+/// Longest nominal time of a run for a tolerance, s.
 pub(super) const MOST_TIME: f64 = 3600.0;
-/// Pilots tell that a run would take longer once the next one takes this part of it: the first ones miss by too much.
+/// Fraction of [`MOST_TIME`] that the next pilot must take before a predicted run time above that limit counts: predictions of the first pilots are
+/// too inaccurate.
 const TELLING: f64 = 0.01;
 
-/// Nominal time of a cell-step or an event, s: what `barwave plan` and the benches say, flowing cells for the most part.
-/// Only the ratios count.
+/// Returns the nominal time of a cell-step or an event, s, as reported by `barwave plan` and the benchmarks, mostly for yielded cells. Only the
+/// ratios matter.
 pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
     let malvern = matches!(scene.effects.rate, Some(Rate::Malvern { .. }));
     match (method, scene.effects.rate) {
@@ -74,36 +76,36 @@ pub(super) fn nominal(scene: &Scene, method: Method) -> f64 {
     }
 }
 
-/// One method on its way.
+/// Candidate method with its pilots.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Candidate {
     pub method: Method,
     pub pilots: Vec<Pilot>,
-    /// Runs on grids.
+    /// Runs on grids, of pilots and their companions.
     pub runs: Vec<Coarse>,
-    /// It stopped, with the reason.
+    /// Reason for rejecting the candidate, if it is rejected.
     pub out: Option<String>,
-    /// Its next pilot was given up after so much work: it is not worth as much, unless the others turn out to cost more.
+    /// Work at which its next pilot was stopped as too expensive. The candidate is considered again if the others turn out to cost more.
     pub too_expensive: Option<u64>,
-    /// Its last pilot was a run that missed.
+    /// Whether its last pilot was a run that missed the tolerance.
     pub missed: bool,
 }
 
-/// A pilot run.
+/// Pilot run.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Pilot {
     pub method: Method,
-    /// Those of its grid, which can be others than were asked for; 0 where there is none.
+    /// Cells of its grid, which can differ from the requested number; 0 without a grid.
     pub cells: usize,
     pub estimate: f64,
-    /// Where it is off most.
+    /// Position and kind of the largest error.
     pub worst: Option<Worst>,
     pub order: f64,
     pub work: u64,
 }
 
 impl Pilot {
-    /// What the next one costs and estimates beside it tells how both go on: not where it had but a few fronts.
+    /// Returns whether the change of cost and estimate up to the next pilot shows a trend; with only a few fronts it does not.
     pub fn tells(&self) -> bool {
         !self.method.tracks_fronts() || self.work >= FEW_EVENTS
     }
@@ -111,7 +113,7 @@ impl Pilot {
 
 impl Candidate {
     pub fn new(method: Method) -> Self {
-        // Its expected time limits it.
+        // The number of events is limited by the expected time instead.
         let method = match method {
             Method::FrontTracking { front_tolerance, .. } => {
                 Method::FrontTracking { front_tolerance, event_budget: MOST_EVENTS as u64 }
@@ -121,7 +123,7 @@ impl Candidate {
         Self { method, pilots: Vec::new(), runs: Vec::new(), out: None, too_expensive: None, missed: false }
     }
 
-    /// What comes after the last pilot.
+    /// Returns the method of the next pilot.
     pub fn next(&self) -> Method {
         match (self.pilots.last(), self.method) {
             (None, Method::FrontTracking { .. }) => self.method.with_front_tolerance(FIRST_TOLERANCE),
@@ -135,8 +137,8 @@ impl Candidate {
         }
     }
 
-    /// How many times finer than its last pilot it has to be, and the expected time of that, s; none before the first
-    /// pilot, infinite where it is out or too expensive.
+    /// Returns the factor by which the run has to be finer than the last pilot, and its expected time, s. `None` before the first pilot; infinite if
+    /// the candidate is rejected or too expensive.
     pub fn predicted(&self, scene: &Scene, tolerance: f64) -> Option<(f64, f64)> {
         if self.out.is_some() || self.too_expensive.is_some() {
             return Some((f64::INFINITY, f64::INFINITY));
@@ -144,7 +146,7 @@ impl Candidate {
         self.carried_on(scene, tolerance)
     }
 
-    /// What the pilots alone say of it.
+    /// Returns the prediction from the pilots alone, as for [`Self::predicted`].
     fn carried_on(&self, scene: &Scene, tolerance: f64) -> Option<(f64, f64)> {
         let last = self.pilots.last()?;
         let least = if self.missed { LEAST_STEP } else { 1.0 };
@@ -156,7 +158,7 @@ impl Candidate {
         Some((finer, nominal(scene, last.method) * last.work as f64 * finer.powf(self.growth())))
     }
 
-    /// Power of the resolution with which the work grows: of cells the second, of events what the last two pilots say.
+    /// Returns the exponent of the resolution in the work: 2 for cells; for events, the value from the last two pilots.
     fn growth(&self) -> f64 {
         if !self.method.tracks_fronts() {
             return 2.0;
@@ -170,7 +172,7 @@ impl Candidate {
         if seen.is_finite() { seen.clamp(least, most) } else { least }
     }
 
-    /// Order by which estimates are carried on from the last pilot: what the last two pilots say, but no more than its own.
+    /// Returns the order for extrapolating the last estimate: the order observed in the last two pilots, but at most that of the last pilot.
     fn order(&self, last: &Pilot) -> f64 {
         let [.., before, _] = &self.pilots[..] else { return last.order };
         if !before.tells() {
@@ -180,14 +182,14 @@ impl Candidate {
         if seen.is_finite() { seen.clamp(LOWEST_ORDER.min(last.order), last.order) } else { last.order }
     }
 
-    /// Expected time of its next pilot, s.
+    /// Returns the expected time of the next pilot, s.
     pub fn next_pilot(&self, scene: &Scene) -> f64 {
         let finer: f64 = if self.method.tracks_fronts() { COMPANION_RATIO } else { 2.0 };
         let last = self.too_expensive.or(self.pilots.last().map(|last| last.work)).unwrap_or(0);
         finer.powf(self.growth()) * nominal(scene, self.method) * last as f64
     }
 
-    /// It is out where its run would take longer than the longest that there may be.
+    /// Rejects the candidate if its run is expected to exceed [`MOST_TIME`].
     pub fn check_reach(&mut self, scene: &Scene, tolerance: f64) {
         let Some((finer, time)) = self.carried_on(scene, tolerance) else { return };
         if self.out.is_none() && time > MOST_TIME && self.next_pilot(scene) > TELLING * MOST_TIME {
@@ -196,7 +198,7 @@ impl Candidate {
         }
     }
 
-    /// The least error that can be expected of a run within the longest time; none before the first pilot.
+    /// Returns the smallest error that can be expected of a run within [`MOST_TIME`] and its event limit; `None` before the first pilot.
     pub fn within_reach(&self, scene: &Scene) -> Option<f64> {
         let last = self.pilots.iter().rfind(|pilot| pilot.estimate.is_finite())?;
         let most = match self.method {
@@ -210,7 +212,7 @@ impl Candidate {
         Some(last.estimate * finer.powf(-self.order(last)))
     }
 
-    /// Takes in a pilot. A grid that more cells do not help is out.
+    /// Adds a pilot. Rejects a grid whose error does not decrease with more cells.
     pub fn add(&mut self, pilot: Pilot, tolerance: f64) {
         self.pilots.push(pilot);
         let stuck = |before: &&Pilot| {
@@ -227,14 +229,14 @@ impl Candidate {
         }
     }
 
-    /// The method so many times finer than its last pilot.
+    /// Returns the method with a resolution finer than that of the last pilot by the factor `by`.
     pub fn finer(&self, by: f64) -> Method {
         let last = self.pilots.last().map_or(self.method, |p| p.method.with_cells(p.cells));
         refined(last, by)
     }
 }
 
-/// How finely a method works, in words.
+/// Returns the resolution of a method, in words.
 fn resolution(method: Method) -> String {
     match method {
         Method::FrontTracking { front_tolerance, .. } => format!("a front tolerance of {front_tolerance:.0e}"),
@@ -242,7 +244,7 @@ fn resolution(method: Method) -> String {
     }
 }
 
-/// How many times finer the second of two pilots of a method is.
+/// Returns the ratio of the resolutions of two pilots of a method.
 fn refinement(before: &Pilot, last: &Pilot) -> f64 {
     match (before.method, last.method) {
         (
@@ -253,7 +255,7 @@ fn refinement(before: &Pilot, last: &Pilot) -> f64 {
     }
 }
 
-/// A method made finer by a factor; cells are a multiple of four, so that companions fit.
+/// Returns a method refined by a factor; the number of cells is a multiple of four, so that companions fit.
 fn refined(method: Method, by: f64) -> Method {
     match (method, method.cells()) {
         (Method::FrontTracking { front_tolerance, .. }, _) => method.with_front_tolerance(front_tolerance / by),
@@ -291,7 +293,7 @@ mod tests {
     #[test]
     fn estimates_that_hardly_fall_are_carried_on_as_slowly() {
         let grid = Method::Leapfrog { cells: 1000, cfl: 1.0 };
-        // Of first order twice, then only its root.
+        // The order is first one, then one half.
         assert!(
             (candidate(grid, &[(0.1, 1), (0.05, 1)]).order(&candidate(grid, &[(0.1, 1)]).pilots[0]) - 1.0).abs()
                 < 1e-12
@@ -317,7 +319,7 @@ mod tests {
         assert_eq!(out(grid, &[0.1, 0.05, 0.03, 0.02, 0.012, 0.012, 0.012, 0.012]), None);
         let why = out(grid, &[0.1, 0.05, 0.03, 0.02, 0.012, 0.012, 0.012, 0.012, 0.012]).expect("a reason");
         assert_eq!(why, "its error hardly falls with more cells (1.2e-2 with 2048, 1.2e-2 with 32768)");
-        // What it said below the tolerance was refuted since, and fronts are few or many by chance.
+        // An estimate below the tolerance that was later refuted does not count, and numbers of fronts vary at random.
         assert_eq!(out(grid, &[0.1, 0.009, 0.012, 0.011, 0.011, 0.0105]), None);
         let fronts = Method::FrontTracking { front_tolerance: 1e-3, event_budget: 9 };
         assert_eq!(out(fronts, &[0.1; 6]), None);
@@ -338,7 +340,7 @@ mod tests {
     fn what_takes_longer_than_the_longest_run_is_out_of_reach() {
         let scene = Scene::pulled();
         let mut grid = candidate(Method::Leapfrog { cells: 1000, cfl: 1.0 }, &[(0.1, 100_000), (0.05, 400_000)]);
-        // Of first order: 1e6 times the cells, but the next pilot is too short to tell.
+        // First order: 1e6 times the cells are needed, but the next pilot is too short for a conclusion.
         grid.check_reach(&scene, 1e-8);
         assert_eq!(grid.out, None);
         grid.pilots[0].work = 4_000_000_000;
@@ -348,7 +350,7 @@ mod tests {
         grid.check_reach(&scene, 1e-3);
         let why = grid.out.as_deref().expect("out");
         assert!(why.starts_with("about 1e4 cells would be needed, nominally 1e5 s"), "{why}");
-        // 32 s for the last pilot: ten times the cells take an hour.
+        // The last pilot takes 32 s, and ten times the cells take an hour.
         let least = grid.within_reach(&scene).expect("pilots");
         assert!((least / 0.05 - (32.0_f64 / 3600.0).sqrt()).abs() < 1e-9, "{least}");
     }

@@ -1,10 +1,9 @@
 //! `tolerance`: selection of the cheapest method and resolution for a given error.
 //!
-//! All methods that can do the scene start from their coarsest resolution and are refined in turn, always the one that is
-//! expected to be done soonest, until one of them is so near to the tolerance that its last step is safe to predict. Those
-//! pilots hold no recorders. The run itself comes then; where its own estimate misses the tolerance it is refined and
-//! repeated. Costs are counted in work, not in measured time, so that a scene is solved alike on every machine. Where every method would take longer
-//! than an hour, by that count, the search ends.
+//! All methods that support the scene start from their coarsest resolution. The one that is expected to finish first is refined, until one of them is
+//! so close to the tolerance that its last refinement can be predicted safely. These pilot runs have no recorders. The run itself follows; if its own
+//! error estimate exceeds the tolerance, it is refined and repeated. Costs are counted in work, not in measured time, so that a scene is solved
+//! identically on every machine. The search ends if every method would take longer than an hour by this count.
 
 mod candidate;
 mod pilots;
@@ -22,21 +21,21 @@ use crate::error::{Error, Result, RunError};
 use crate::record::{ChoiceSummary, SolvedBy, Summary, Tried};
 use crate::scene::{Method, Scene, Tolerance};
 
-/// A pilot that takes less than this part of what the best way is expected to take is made whatever is expected of it.
+/// Fraction of the expected time of the best method below which the next pilot of any other method is always run.
 const NEXT_TO_NOTHING: f64 = 0.1;
 
-/// Runs that are repeated because they missed.
+/// Largest number of repetitions of a run that misses its tolerance.
 const MOST_REPEATS: usize = 24;
 
-/// A run that is to stay within a tolerance, and what was tried before it.
+/// Run to within a tolerance, with the pilots and runs before it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Attempt {
     candidates: Vec<Candidate>,
-    /// Which of them it is.
+    /// Index of the candidate that is run.
     winner: usize,
     method: Method,
     why: String,
-    /// Counted from 0.
+    /// Number of the attempt, counted from 0.
     number: usize,
 }
 
@@ -55,7 +54,7 @@ pub(super) fn run(
     };
     loop {
         let next = target.anew();
-        // It can be large, and is for checkpoints alone.
+        // The attempt can be large and is needed for checkpoints only.
         target.chosen.attempt = target.every.map(|_| attempt.clone());
         if let Some(summary) = attempt.run(scene, asked.value, &target, progress)? {
             return Ok(summary);
@@ -69,7 +68,7 @@ pub(super) fn run(
 }
 
 impl Attempt {
-    /// By the method that is expected to get there soonest.
+    /// Selects the method that is expected to reach the tolerance first.
     fn new(
         scene: &Scene,
         tolerance: f64,
@@ -82,12 +81,13 @@ impl Attempt {
         Ok(Self { candidates, winner, method, why, number })
     }
 
-    /// The scene that it runs.
+    /// Returns the scene that is run.
     pub fn scene(&self, scene: &Scene) -> Scene {
         scene.by(self.method).with_error_estimate()
     }
 
-    /// Runs it. None where it missed the tolerance, which the candidates know then.
+    /// Performs the run. Returns `None` if it ran out of events, missed the tolerance, or was contradicted by front tracking; the candidates then
+    /// contain this result.
     fn run(
         &mut self,
         scene: &Scene,
@@ -107,7 +107,7 @@ impl Attempt {
         let work = if summary.events > 0 { summary.events } else { (summary.cells * summary.steps) as u64 };
         let estimate = summary.error.as_ref().map(|e| e.value);
         let order = candidates[winner].pilots.last().map_or(1.0, |p| p.order);
-        // Without an estimate the bar came to an end of its own, such as a rupture that no companion follows.
+        // A run without an estimate ended early, for example by a fracture, which companion runs do not simulate.
         let worst = summary.errors.and_then(|table| table.worst());
         let done = Pilot { method, cells: summary.cells, estimate: estimate.unwrap_or(f64::NAN), worst, order, work };
         let missed = done.estimate > tolerance;
@@ -124,11 +124,11 @@ impl Attempt {
     }
 }
 
-/// The method and resolution that a run of a scene with a tolerance starts from, and why: the coarse runs are made, but not
-/// the run itself. None where the scene names its method.
+/// Returns the method and resolution from which the run of a scene with a tolerance starts, and the reason. The coarse runs are performed, the run
+/// itself is not. Returns `None` if the scene has no tolerance.
 ///
 /// # Errors
-/// No method gets there, the run stops at t = 0, or [`Error::Interrupted`] if `progress` requests a stop.
+/// A [`RunError`] if no method reaches the tolerance or the run stops at t = 0; [`Error::Interrupted`] if `progress` requests a stop.
 pub fn predict(
     scene: &Scene,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -144,14 +144,14 @@ fn candidates(scene: &Scene, asked: &Tolerance) -> Vec<Candidate> {
     methods(scene, &asked.methods).into_iter().map(Candidate::new).collect()
 }
 
-/// Methods whose estimates hold: those that make a staircase of a taper are left out where another one does not need to.
+/// Returns the methods with reliable estimates: methods that discretize a taper into steps are left out if any other method does not need to.
 fn methods(scene: &Scene, asked: &[Method]) -> Vec<Method> {
     let whole = |method: &Method| scene.by(*method).in_pieces().is_none();
     let kept: Vec<Method> = asked.iter().copied().filter(whole).collect();
     if kept.is_empty() { asked.to_vec() } else { kept }
 }
 
-/// Refines the candidates until one is near: its index, and how many times finer than its last pilot it has to be.
+/// Refines the candidates until one of them is close. Returns its index and the factor by which it has to be finer than its last pilot.
 fn race(
     scene: &Scene,
     tolerance: f64,
@@ -172,7 +172,7 @@ fn race(
         let tracks = candidates[best].method.tracks_fronts();
         let leap = if tracks { LEAP_TOLERANCE } else { LEAP_CELLS };
         let near = predicted(&candidates[best]).filter(|f| f.0 <= leap);
-        // What can be tried for next to nothing is not left to what two pilots say of it, the cheapest first.
+        // A pilot of negligible cost is run, the cheapest first, rather than trusting the prediction from two pilots.
         let misses = |r: &Candidate| r.out.is_none() && predicted(r).is_some_and(|f| f.0 > 1.0);
         let cheap = (0..candidates.len()).filter(|&k| (k != best || near.is_none()) && misses(&candidates[k]));
         let cost = |k: usize| candidates[k].next_pilot(scene);
@@ -184,7 +184,7 @@ fn race(
         let next = cheap.unwrap_or(best);
         pilot(scene, candidates, next, tolerance, progress)?;
         tell(tolerance, &candidates[next], progress)?;
-        // Where a handful of events is enough there is nothing to compare.
+        // If a few hundred events are sufficient, no comparison is needed.
         let last = candidates[next].pilots.last();
         if candidates[next].method.tracks_fronts()
             && last.is_some_and(|p| p.estimate <= tolerance && p.work <= FEW_EVENTS)
@@ -194,14 +194,14 @@ fn race(
     }
 }
 
-/// Tells what a candidate's last pilot came to.
+/// Reports the result of a candidate's last pilot.
 fn tell(tolerance: f64, candidate: &Candidate, progress: &mut dyn FnMut(Progress) -> ControlFlow<()>) -> Result<()> {
     let Some(last) = candidate.pilots.last() else { return Ok(()) };
     let tried = tried_of(last.method, last.estimate, last.work);
     if progress(Progress::Tried { tried, tolerance }).is_break() { Err(Error::Interrupted) } else { Ok(()) }
 }
 
-/// The next pilot of one candidate.
+/// Runs the next pilot of one candidate.
 fn pilot(
     scene: &Scene,
     candidates: &mut [Candidate],
@@ -218,7 +218,7 @@ fn pilot(
     }
 }
 
-/// Has front tracking confirm a run on a grid, where it can do so for about the same work; a grid that it contradicts is out.
+/// Compares a run on a grid with front tracking, if this takes about the same work; a grid that disagrees is rejected. Returns false in that case.
 fn confirmed(
     scene: &Scene,
     candidates: &mut [Candidate],
@@ -234,7 +234,7 @@ fn confirmed(
     Ok(candidates[winner].out.is_none())
 }
 
-/// What was run so far, method by method.
+/// Returns all runs so far, method by method.
 fn tried(candidates: &[Candidate]) -> Vec<Tried> {
     candidates.iter().flat_map(|r| &r.pilots).map(|p| tried_of(p.method, p.estimate, p.work)).collect()
 }
@@ -243,7 +243,7 @@ fn tried_of(method: Method, estimate: f64, work: u64) -> Tried {
     Tried { by: method.into(), estimate: estimate.is_finite().then_some(estimate), work }
 }
 
-/// One sentence.
+/// Returns the reason for the selection, as one sentence.
 fn why(scene: &Scene, tolerance: f64, candidates: &[Candidate], winner: usize) -> String {
     let name = |r: &Candidate| r.method.names()[1];
     let others: Vec<String> = candidates

@@ -14,10 +14,10 @@ use crate::scene::{Method, Scene};
 use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
-/// Front tracking tells something of a grid where its estimate is no more than this part of that one's.
+/// Largest ratio of the error estimate of front tracking to that of a grid for which front tracking can check the grid.
 const TELLING: f64 = 0.3;
 
-/// The next pilot of a grid and its companions, those before from earlier pilots.
+/// Runs the next pilot on a grid and its companions, reusing runs of earlier pilots.
 pub(super) fn grid_pilot(
     scene: &Scene,
     candidate: &mut Candidate,
@@ -43,14 +43,14 @@ pub(super) fn grid_pilot(
     let responses: Vec<(usize, &Response)> = all.iter().map(|run| (run.cells, &run.response)).collect();
     let (elastic, work) = all.first().map_or((true, 0), |finest| (finest.elastic, finest.work));
     let (table, found) = extrapolate(accuracy::rules(scene, method, elastic), &responses);
-    // One run alone tells nothing of its error.
+    // A single run gives no error estimate.
     let (estimate, worst) = if all.len() > 1 { (found.value, table.worst()) } else { (f64::INFINITY, None) };
     let cells = grids[0].1;
     candidate.add(Pilot { method, cells, estimate, worst, order: found.hope, work }, tolerance);
     Ok(())
 }
 
-/// Instants at which all grids of a candidate are compared: steps of the coarsest one up to the end, s.
+/// Returns the instants at which all grids of a candidate are compared, s: steps of the coarsest grid up to the end.
 fn instants(scene: &Scene) -> Vec<f64> {
     let coarsest = scene.bar.transit_time() / (FIRST_CELLS / 8) as f64;
     let steps = (scene.solve.until / coarsest).floor().max(1.0) as usize;
@@ -58,7 +58,7 @@ fn instants(scene: &Scene) -> Vec<f64> {
     evenly(&all, 2 * INSTANTS)
 }
 
-/// The next pilot of front tracking, given up where it costs much more than the `rival` (s).
+/// Runs the next pilot of front tracking; stops it if it costs much more than the best other candidate, whose expected time is `rival` (s).
 pub(super) fn front_pilot(
     scene: &Scene,
     candidate: &mut Candidate,
@@ -87,7 +87,7 @@ pub(super) fn front_pilot(
     };
     let most = worth.max(4.0 * FEW_EVENTS as f64).min(event_budget as f64) as u64;
     let settings = Settings { front_tolerance, event_budget: most, ..Settings::default() };
-    // What would be worth more to nobody is out; else it may come to that yet.
+    // If the limit does not depend on a rival, the candidate is rejected; otherwise it is only too expensive for now.
     let limited = rival.is_finite() && most < event_budget;
     candidate.too_expensive = None;
     let instants = companion::instants(scene.solve.until);
@@ -112,10 +112,9 @@ pub(super) fn front_pilot(
     Ok(())
 }
 
-/// Whether front tracking has something against a finished run on a grid: that they are farther apart than both estimates
-/// allow. Grids that are refined come nearer to each other than to the truth where a curve has more knots than they can tell
-/// apart. None where fronts cannot be followed so well for about the work of that run, or where
-/// both agree.
+/// Compares a finished run on a grid with front tracking. Returns the reason for rejecting the grid if the two differ by more than the sum of their
+/// estimates. If a curve has more knots than the grids can resolve, refined grids approach each other faster than the true solution. Returns `None`
+/// if both agree, or if front tracking cannot be as accurate for about the work of that run.
 pub(super) fn contradiction(
     scene: &Scene,
     run: Pilot,
@@ -126,7 +125,7 @@ pub(super) fn contradiction(
     let telling = TELLING * run.estimate;
     let tells = |p: &Pilot| p.estimate <= telling;
     while tracking.out.is_none() && !tracking.pilots.last().is_some_and(tells) {
-        // Infinite where a pilot was given up for a rival that was expected to cost less.
+        // The time is infinite if a pilot was stopped because of a rival that was expected to cost less.
         let expected = tracking.predicted(scene, telling).map(|(_, time)| time).filter(|time| time.is_finite());
         if expected.unwrap_or(0.0).max(tracking.next_pilot(scene)) > PATIENCE * time {
             return Ok(None);
@@ -153,7 +152,7 @@ pub(super) fn contradiction(
     Ok((apart > estimate + run.estimate).then(against))
 }
 
-/// The estimate that the run itself would state.
+/// Returns the error estimate that the run itself would report.
 fn front_estimate(
     scene: &Scene,
     settings: Settings,

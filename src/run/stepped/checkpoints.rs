@@ -21,7 +21,7 @@ impl<S: Stepped + Snapshot> Run<'_, S> {
         if flow.is_break() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// Histories go to the writer first, so that the checkpoint need not hold them.
+    /// Writes a checkpoint. The histories are passed to the writer first, so that the checkpoint need not contain them.
     pub(super) fn keep_checkpoint(&mut self) -> Result<()> {
         if !self.recorder.keeps_checkpoints() {
             return Ok(());
@@ -39,7 +39,7 @@ impl<S: Stepped + Snapshot> Run<'_, S> {
     }
 }
 
-/// The state of a run between two steps. Where it came to limits follows from that of the bar.
+/// State of a run between two steps. The limits that have been reached follow from the state of the bar.
 impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
     fn save(&self) -> snapshot::Result<Vec<u8>> {
         let probe = self.elastic_check.as_ref().map(|probe| probe.check.save()).transpose()?;

@@ -9,7 +9,7 @@ use crate::run::Progress;
 use crate::snapshot::{self, Snapshot, join, pack, split, unpack};
 
 impl Run<'_> {
-    /// Says how far the run is.
+    /// Reports the progress of the run.
     pub(super) fn report(&mut self) -> ControlFlow<()> {
         (self.progress)(Progress::Fronts {
             time: self.bar.time(),
@@ -19,7 +19,7 @@ impl Run<'_> {
         })
     }
 
-    /// Reports progress, and writes a checkpoint if one is due. Everything up to now has been recorded.
+    /// Reports progress, and writes a checkpoint if one is due. Everything up to the current time has been recorded.
     pub(super) fn pause(&mut self) -> Result<()> {
         let flow = self.report();
         if self.recorder.checkpoint_is_due() {
@@ -28,7 +28,8 @@ impl Run<'_> {
         if flow.is_break() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// Histories stay where they are: those of the ends are written without what lasts no time, and events of this moment may follow.
+    /// Writes a checkpoint. The histories are part of it and are not passed to the writer: histories of the ends omit steps of zero duration, and
+    /// further events at the current time may follow.
     pub(super) fn keep_checkpoint(&mut self) -> Result<()> {
         if !self.recorder.keeps_checkpoints() {
             return Ok(());
@@ -44,7 +45,7 @@ impl Run<'_> {
     }
 }
 
-/// The state of a run between two events. Pauses follow from the scene; of them the first ones are over.
+/// State of a run between two events. The pauses follow from the scene; only the number of those that remain is saved.
 impl Snapshot for Run<'_> {
     fn save(&self) -> snapshot::Result<Vec<u8>> {
         let probe = self.elastic_check.as_ref().map(Snapshot::save).transpose()?;

@@ -1,4 +1,4 @@
-//! A ball at an end: its size, its mass, and the moduli of its contact with the bar.
+//! Balls at an end: radius, mass, and the moduli of the contact with the bar.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -15,7 +15,7 @@ use crate::typed::{Key, Of, Placed};
 use crate::units::{Dimension, Measure};
 
 impl Checker<'_> {
-    /// A ball on the end of a bar.
+    /// Reads a ball at the end of a bar.
     pub(super) fn ball(&self, raw: &Ball, site: &EndSite<'_>) -> Result<EndCondition> {
         let (radius, mass, ball) = self.ball_body(&raw.keys(), site)?;
         let bar = &site.segment.material;
@@ -25,8 +25,9 @@ impl Checker<'_> {
         Ok(EndCondition::Ball { mass, velocity: self.si(&raw.velocity)?, contact })
     }
 
-    /// A ball on a rigid lever at the end of a bar in torsion, in terms of the surface: with r the arm over its radius, the surface moves
-    /// by 1/r of the lever's end and carries r times the force. Mass, velocity and contact are those that give the same energies.
+    /// Reads a ball on a rigid lever at the end of a bar in torsion, in terms of the surface. With r the ratio of the arm to the radius of the
+    /// surface, the velocity of the surface is 1/r of that of the lever's end, and its force is r times that of the ball. Mass, velocity and contact
+    /// modulus are chosen such that the energies are equal.
     pub(super) fn ball_on_lever(&self, raw: &BallOnLever, site: &EndSite<'_>) -> Result<EndCondition> {
         if let Some(rigid) = raw.rigid.as_ref().filter(|rigid| *rigid.get_ref()) {
             let message = "a rigid ball on a rigid lever has no contact compliance";
@@ -39,7 +40,7 @@ impl Checker<'_> {
         Ok(EndCondition::Ball { mass: mass * ratio * ratio, velocity: self.si(&raw.velocity)? / ratio, contact })
     }
 
-    /// Radius, mass, and the moduli of the ball's side of the contact.
+    /// Returns the radius and mass of the ball, and the moduli of its side of the contact.
     fn ball_body(&self, keys: &BodyKeys<'_>, site: &EndSite<'_>) -> Result<(f64, f64, (f64, f64))> {
         let (key, span) = (site.key, || site.span.clone());
         let radius = self.ball_radius(keys, span(), key)?;
@@ -48,12 +49,12 @@ impl Checker<'_> {
         Ok((radius, mass, self.ball_moduli(keys, span(), key, material.as_deref())?))
     }
 
-    /// The material that a body names, if it names one.
+    /// Returns the material that a body names, if any.
     pub(in crate::scene) fn ball_material(&self, raw: &BodyKeys<'_>, key: &str) -> Result<Option<Arc<Material>>> {
         raw.material.map(|choice| self.axial_material(choice, &format!("{key}.material"))).transpose()
     }
 
-    /// The material of a body that is compressed, bent or pulled: its modulus is not that of shear.
+    /// Returns the material of a body under compression, bending or tension; refuses shear curves, whose modulus is not Young's modulus.
     pub(in crate::scene) fn axial_material(&self, choice: &Placed<MaterialChoice>, key: &str) -> Result<Arc<Material>> {
         let material = self.material(choice, key, &mut Named::new())?;
         if material.loading == Loading::Axial {
@@ -63,7 +64,7 @@ impl Checker<'_> {
         Err(self.error(choice.span(), key, message).help("use a material with a tension curve").into())
     }
 
-    /// What is given, or else what a material says.
+    /// Returns the given value, or else that of the material.
     pub(in crate::scene) fn given_or<D: Measure, R: crate::typed::Range>(
         &self,
         given: Option<&Of<D, R>>,
@@ -111,7 +112,7 @@ impl Checker<'_> {
         Err(error.allowed(allowed).help(format!("change `{name}`, or give `mass`")).into())
     }
 
-    /// Modulus, Pa, and Poisson's ratio; infinite and 0 where it is rigid.
+    /// Returns the modulus, Pa, and Poisson's ratio; infinity and 0 for a rigid body.
     pub(in crate::scene) fn ball_moduli(
         &self,
         raw: &BodyKeys<'_>,
@@ -128,7 +129,7 @@ impl Checker<'_> {
         Ok((modulus, self.given_or(raw.poisson, material.and_then(|m| m.poisson), "poisson", span, key)?))
     }
 
-    /// Refuses the first of two keys that say the same, where it was given beside the second.
+    /// Refuses the first of two redundant keys, if it is given together with the second.
     pub(in crate::scene) fn not_both(&self, first: Option<Range<usize>>, key: &str, names: [&str; 2]) -> Result<()> {
         let Some(span) = first else { return Ok(()) };
         let message = format!("`{}` and `{}` are both given for the ball", names[0], names[1]);

@@ -1,4 +1,4 @@
-//! The bar: one uniform piece or a list of segments, their sections, materials and joints.
+//! The bar: a uniform piece or a list of segments, with their sections, materials and joints.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -13,7 +13,7 @@ use crate::input::GivenKey;
 use crate::material::{self, Material};
 use crate::typed::{Key, Placed};
 
-/// Materials by name, so that a name is read once and its segments share it.
+/// Materials by name, so that each is read only once and is shared by its segments.
 pub(in crate::scene) type Named = HashMap<String, Arc<Material>>;
 
 impl Checker<'_> {
@@ -40,9 +40,9 @@ impl Checker<'_> {
         Ok(bar)
     }
 
-    /// `[bar]` keys that belong into the segments once there are segments.
+    /// Refuses `[bar]` keys that belong in the segments if there are segments.
     fn no_uniform_keys(&self, piece: &RawPiece<'_>) -> Result<()> {
-        // Tables of initial values are over the x of the whole bar.
+        // Tables of initial values are functions of x over the whole bar.
         let table = |name: &str| {
             let which = INITIAL.iter().position(|key| *key == name);
             which.is_some_and(|which| piece.initial[which].as_ref().is_some_and(|given| given.uniform().is_none()))
@@ -80,7 +80,7 @@ impl Checker<'_> {
         Ok(Bar { segments, area_given: with_area[0] })
     }
 
-    /// A uniform piece, bonded to the next; and whether its area was given.
+    /// Reads a uniform piece, bonded to the next one. Returns whether its area was given.
     fn piece(&self, piece: &RawPiece<'_>, span: Range<usize>, key: &str, named: &mut Named) -> Result<(Segment, bool)> {
         let Some(length) = piece.length else {
             let help = format!("add the length to `{key}`, e.g. length = \"1 m\"");
@@ -125,7 +125,7 @@ impl Checker<'_> {
         }
     }
 
-    /// An error without a place of its own (no such material) gets the place where the scene names it.
+    /// Adds the position at which the scene names the material to an error without a position of its own, such as an unknown material.
     fn placed(&self, error: Error, choice: &Placed<MaterialChoice>, key: &str) -> Error {
         let Error::Input(error) = error else { return error };
         if error.place.is_some() {

@@ -1,7 +1,7 @@
-//! Rows from a file with two columns, as a history has them in time and an initial state in x; see [`crate::columns`] for delimiters and decimal marks.
+//! Reads rows from a file with two columns: histories in time and initial states along x. See [`crate::columns`] for delimiters and decimal marks.
 //!
-//! A first line that holds no number names the columns; a unit in brackets there, `time [us]` or `stress (MPa)`, or behind an underscore, `time_us`, holds
-//! for its column. Without one numbers are SI.
+//! A first line without numbers contains the names of the columns. A unit in brackets, `time [us]` or `stress (MPa)`, or after an underscore,
+//! `time_us`, applies to its column. Numbers without a unit are in SI units.
 
 use std::ops::Range;
 use std::path::Path;
@@ -12,19 +12,19 @@ use crate::error::{Error, Result};
 use crate::input::{Allowed, Document, Number};
 use crate::units::{Dimension, Quantity, one};
 
-/// Made of rows, or which of them is wrong, and why.
+/// Result of converting rows, or the index of the wrong row and the reason.
 pub(super) type MadeOfRows<T> = std::result::Result<T, (usize, &'static str)>;
 
-/// What the first column of a file is.
+/// Quantity in the first column of a file.
 pub(super) struct Abscissa {
-    /// Its key in messages.
+    /// Key in messages.
     pub key: &'static str,
-    /// A sentence part: "the first column is `foo`, not ...".
+    /// Name of the quantity in the message "the first column is `foo`, not ...".
     pub what: &'static str,
-    /// A header.
+    /// Example of a heading.
     pub example: &'static str,
     pub dimension: Dimension,
-    /// Names that a header may have.
+    /// Names that are accepted in a heading.
     pub names: &'static [&'static str],
     /// Help for a file with more than two columns.
     pub of_more: &'static str,
@@ -33,7 +33,7 @@ pub(super) struct Abscissa {
 }
 
 impl Checker<'_> {
-    /// Opens a file that the scene names, with `read`; `span` is where its path stands.
+    /// Opens a file that the scene names, by calling `read`; `span` is the position of the path in the scene.
     pub(super) fn open<T>(
         &self,
         path: &str,
@@ -51,8 +51,8 @@ impl Checker<'_> {
         })
     }
 
-    /// The rows of a file with two columns, which `make` makes something of, or says which row is wrong and why; `rules` are what rows obey,
-    /// and how to write them.
+    /// Reads the rows of a file with two columns. `make` converts them, or returns the index of a wrong row and the reason. `rules` are the
+    /// conditions for rows, and the help on how to write them.
     pub(super) fn csv_rows<T>(
         &self,
         (path, span, key): (&str, Range<usize>, &str),
@@ -116,7 +116,7 @@ fn read<T>(
 }
 
 impl Abscissa {
-    /// A column with one of the names, `Time (us)`, `x [mm]`, ..., or in a unit of the quantity.
+    /// Returns whether a heading has one of the accepted names (`Time (us)`, `x [mm]`, ...) or a unit of the quantity.
     fn is_named(&self, header: &str) -> bool {
         let name = header.split(['[', '(', '_', ' ', '/']).next().unwrap_or_default().to_lowercase();
         let in_unit = |unit: &str| one(unit, self.dimension).is_ok();
@@ -124,7 +124,7 @@ impl Abscissa {
     }
 }
 
-/// A cell is a number in its column's unit, or has a unit of its own.
+/// Returns the quantity in a cell: a number in the unit of its column, or text with a unit of its own.
 pub(super) fn quantity(Cell { text, span }: &Cell, unit: Option<&str>) -> Number {
     let quantity = match (text.parse::<f64>(), unit) {
         (Ok(_), Some(unit)) => Quantity::Text(format!("{text} {unit}")),

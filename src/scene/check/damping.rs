@@ -7,7 +7,7 @@ use crate::bar::Bar;
 use crate::error::Result;
 
 impl Checker<'_> {
-    /// The damping of a bar, if there is one; zeros alone are none.
+    /// Returns the distributed forces of a bar; `None` if all constants are zero.
     pub(super) fn damping(&self, effects: &RawEffects, bar: &Bar) -> Result<Option<Damping>> {
         let Some(raw) = &effects.damping else { return Ok(None) };
         let (span, raw) = (raw.span(), raw.get_ref());
@@ -35,7 +35,7 @@ impl Checker<'_> {
         Ok(Some(damping).filter(|damping| *damping != Damping::default()))
     }
 
-    /// Whether the sideways motion has inertia.
+    /// Returns whether lateral inertia is simulated.
     pub(super) fn lateral_inertia(&self, effects: &RawEffects, bar: &Bar) -> Result<bool> {
         let Some(lateral) = effects.lateral_inertia() else { return Ok(false) };
         let key = "effects.lateral-inertia";
@@ -54,5 +54,5 @@ impl Checker<'_> {
     }
 }
 
-/// The way out for a bar without a section.
+/// Help for a bar without a cross-section.
 const AREA: &str = "give [bar] (or every [[bar.segment]]) an area, e.g. area = \"1 cm^2\", or a diameter";

@@ -11,20 +11,20 @@ use crate::input::Allowed;
 use crate::typed::{self, Placed};
 use crate::units::{Dimension, System, format};
 
-/// Places of values in [`INITIAL`].
+/// Indices of values in [`INITIAL`].
 pub(super) const STRESS: usize = 1;
 pub(super) const STRAIN: usize = 2;
 pub(super) const PLASTIC: usize = 3;
 pub(super) const ACCUMULATED: usize = 4;
 pub(super) const TEMPERATURE: usize = 5;
 
-/// Values as numbers over x, by [`INITIAL`].
+/// Values as functions of x, in the order of [`INITIAL`].
 pub(super) type Values = [Option<Distribution>; 6];
 
-/// Places that differ by less than this part of the length are one.
+/// Relative difference (of the length) up to which positions count as equal.
 const SAME_PLACE: f64 = 1e-9;
 
-/// What rows of a table over x obey, and how to write them.
+/// Conditions for the rows of a table over x, and help on how to write them.
 const ROWS: &str = "x does not decrease; at most two rows have the same x";
 const ROWS_HELP: &str = "sort the rows by x; two rows with the same x are a jump";
 
@@ -39,7 +39,7 @@ const X: Abscissa = Abscissa {
 };
 
 impl Checker<'_> {
-    /// The values given for a piece of the bar `length` long.
+    /// Reads the values given for a piece of the bar of length `length`, m.
     pub(super) fn distributions(&self, typed: &RawInitial<'_>, key: &str, length: f64) -> Result<Values> {
         let mut values: Values = std::array::from_fn(|_| None);
         for (value, (given, name)) in values.iter_mut().zip(typed.iter().zip(INITIAL)) {
@@ -62,7 +62,7 @@ impl Checker<'_> {
         Ok(values)
     }
 
-    /// Rows [x, value] of a value along the bar; `name` is that of the value in messages.
+    /// Reads the rows [x, value] of a quantity along the bar; `name` is the name of the value in messages.
     pub(super) fn rows(&self, given: &Given<'_>, key: &str, name: &str) -> Result<Vec<(f64, f64)>> {
         let dimensions = [Dimension::Length, given.dimension(self.torsion)];
         typed::pairs(given.rows(), self.document, key, ["x", name], (dimensions, given.allowed))
@@ -88,7 +88,7 @@ impl Checker<'_> {
         })
     }
 
-    /// Values of a segment become its state at t = 0; `motion` are those of the whole bar, from which the segment starts at `x0`.
+    /// Sets the initial states of the segments from their own values and from the tables over the `whole` bar, of which each segment takes its part.
     pub(super) fn start_with(&self, raw: &RawBar, bar: &mut Bar, own: &[Values], whole: &Values) -> Result<()> {
         let mut x0 = 0.0;
         for (k, (segment, own)) in bar.segments.iter_mut().zip(own).enumerate() {
@@ -150,7 +150,7 @@ impl Checker<'_> {
     }
 }
 
-/// A table over a piece `length` long; rounding beyond its end is none.
+/// Creates a table over a piece of length `length`, m. An x slightly beyond the end, due to rounding, is moved to the end.
 fn table(rows: &[(f64, f64)], length: f64, allowed: Allowed) -> MadeOfRows<Distribution> {
     if let Some(i) = rows.iter().position(|&(x, _)| x > length * (1.0 + SAME_PLACE)) {
         return Err((i, "lies beyond the right end"));

@@ -1,4 +1,4 @@
-//! The two ends: conversion of each kind, in torsion in terms of the surface, and the prescribed histories.
+//! The two ends: conversion of each kind (in torsion to quantities of the surface), and the prescribed histories.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::input::Table;
 use crate::typed::{Key, Of, Placed};
 use crate::units::Measure;
 
-/// An end that is read: its key, where it stands, the segment there, and the radius of the surface and J there; 1 and 1 in an axial bar.
+/// End that is read: its key and position in the file, the segment there, and the radius of the surface, m, and J, m^4; both 1 in an axial bar.
 pub(super) struct EndSite<'a> {
     pub(super) key: &'a str,
     pub(super) span: Range<usize>,
@@ -32,7 +32,7 @@ impl<'a> EndSite<'a> {
 }
 
 impl Checker<'_> {
-    /// What an end does, and the arm of a lever there over the radius of the surface.
+    /// Returns the condition of an end, and the ratio of the arm of its lever to the radius of the surface.
     pub(super) fn end(
         &self,
         site: &EndSite<'_>,
@@ -103,7 +103,8 @@ impl Checker<'_> {
             .into()
     }
 
-    /// A body acts on the whole section: without an area its mass or stiffness has no meaning.
+    /// Returns the error for a body at an end of a bar without an area: it acts on the whole section, so that its mass or stiffness would be
+    /// meaningless.
     fn needs_area(&self, kind: &Placed<EndKind>, key: &str) -> Error {
         let word = kind.get_ref().word();
         let message = format!("an end of kind \"{word}\" needs the cross-section of the bar");
@@ -111,7 +112,7 @@ impl Checker<'_> {
         self.error(kind.span(), &format!("{key}.kind"), message).help(help).into()
     }
 
-    /// A number that has to be given where nothing else says it.
+    /// Reads a number that is required.
     pub(in crate::scene) fn needed<D: Measure, R: crate::typed::Range>(
         &self,
         given: Option<&Of<D, R>>,
@@ -126,7 +127,7 @@ impl Checker<'_> {
         self.si(given)
     }
 
-    /// The history of a driven end, from exactly one of its three forms.
+    /// Reads the history of a driven end, from exactly one of its three forms.
     fn history<D: Measure>(&self, keys: &RawHistory<'_, D>, site: &EndSite<'_>) -> Result<History> {
         let key = site.key;
         let forms = [
@@ -156,7 +157,7 @@ impl Checker<'_> {
     }
 }
 
-/// What rows of a history obey.
+/// Conditions for the rows of a history.
 pub(super) const ROWS: &str = "times do not decrease; at most two rows have the same time";
-/// And how to write them.
+/// Help on how to write the rows of a history.
 pub(super) const ROWS_HELP: &str = "sort the rows by time; two rows with the same time are a jump";

@@ -12,11 +12,11 @@ use crate::typed::Placed;
 use crate::units::{Dimension, System, format};
 
 impl Checker<'_> {
-    /// Hardening and rate; what else the scene names comes on top.
+    /// Returns the effects `hardening` and `rate`; the caller adds the others.
     pub(super) fn effects(&self, raw: &RawEffects, bar: &Bar) -> Result<Effects> {
         let rate = raw.rate.as_ref().map(|rate| self.rate(rate, bar)).transpose()?;
         let Some(hardening) = &raw.hardening else {
-            // A curve that is followed both ways has no plastic strain that could take time or warm the bar.
+            // Rate dependence and heating act on plastic strain, which does not exist if unloading follows the loading curve.
             let implied = rate.is_some() || raw.heat.is_some();
             return Ok(Effects { hardening: implied.then_some(HardeningRule::Isotropic), rate, ..Effects::default() });
         };
@@ -57,7 +57,7 @@ impl Checker<'_> {
         Ok(Effects { hardening: Some(kind), rate, ..Effects::default() })
     }
 
-    /// The back stress of Armstrong and Frederick is less than the flow stress at any plastic strain.
+    /// Checks that the back stress of Armstrong-Frederick hardening is less than the flow stress at every plastic strain.
     fn leaves_an_elastic_range(&self, hardening: &Placed<RawHardening>, [c, gamma]: [f64; 2], bar: &Bar) -> Result<()> {
         for segment in &bar.segments {
             let modulus = segment.material.modulus;

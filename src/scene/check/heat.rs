@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::material::HeatingError;
 
 impl Checker<'_> {
-    /// The effect; the materials of `bar` become those that it makes of them.
+    /// Returns the effect, and replaces the materials of `bar` by their adiabatic versions.
     pub(super) fn heat(&self, effects: &RawEffects, bar: &mut Bar) -> Result<Option<Heat>> {
         let Some(raw) = &effects.heat else { return Ok(None) };
         let fraction = self.si(&raw.get_ref().fraction)?;

@@ -1,4 +1,4 @@
-//! Histories from files: two columns, or two columns of a record with any number of them.
+//! Histories from files with two columns, or from two columns of a record with any number of columns.
 
 use super::super::raw::{Column, HistoryFile, RawHistoryRecord};
 use super::Checker;
@@ -22,7 +22,7 @@ const TIME: Abscissa = Abscissa {
 };
 
 impl Checker<'_> {
-    /// The history in a file.
+    /// Reads the history in a file.
     pub(super) fn history_file<D: Measure>(&self, file: &Placed<HistoryFile<D>>, key: &str) -> Result<History> {
         match file.get_ref() {
             HistoryFile::TwoColumns(path) => {
@@ -68,7 +68,7 @@ impl Checker<'_> {
         })
     }
 
-    /// The place of a column of a record.
+    /// Returns the index of a column of a record; `None` if the scene does not name one.
     fn column(
         &self,
         column: Option<&Placed<Column>>,
@@ -83,8 +83,8 @@ impl Checker<'_> {
         Ok(Some(found.map_err(|e| e.at(self.document.place(column.span())))?))
     }
 
-    /// The rows from the start on, which becomes t = 0; and the first row that is one of them. Between two rows the value there is
-    /// interpolated.
+    /// Returns the rows from the start on, with the start as t = 0, and the index in the table to which the first of them corresponds. If the start
+    /// lies between two rows, the first value is interpolated.
     fn after_start<D: Measure>(
         &self,
         record: &RawHistoryRecord<D>,
@@ -115,7 +115,7 @@ impl Checker<'_> {
     }
 }
 
-/// The unit of a column: that in its heading, or below it; empty where there is none.
+/// Returns the unit of a column, from its heading or from the line below it; empty if there is none.
 fn unit_of_column(document: &Document, table: &Table, column: usize, dimension: Dimension) -> Result<String> {
     let heading = table.header.as_ref().and_then(|line| line.cells.get(column));
     let in_heading = heading.map_or(Ok(None), |cell| unit_of(document, cell, dimension)).map_err(|e| match e {

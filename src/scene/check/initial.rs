@@ -1,4 +1,4 @@
-//! Initial states: checks of the initial values of a segment.
+//! Checks of the initial values of a segment.
 
 use super::super::raw::{INITIAL, RawBar, RawEffects};
 use super::super::{Effects, HardeningRule, Method};
@@ -12,13 +12,13 @@ use crate::material::{Curve, Sense};
 use crate::scene::discretized::{MOST_PIECES, steps_needed};
 use crate::units::{Dimension, System, format};
 
-/// Rounding of values that were put together, relative.
+/// Relative rounding error of values that are combined from several tables.
 const ROUNDING: f64 = 1e-9;
 
-/// Plastic strains below this are rounding, where a steep table crosses zero.
+/// Plastic strains below this value are rounding errors, where a steep table crosses zero.
 const LEAST_STRAIN: f64 = 1e-12;
 
-/// A segment with its number, where it is said what it starts with, and where its left end is, m.
+/// Segment with its index, the keys of the bar, and the position of its left end, m.
 struct Given<'a> {
     raw: &'a RawBar,
     k: usize,
@@ -27,7 +27,7 @@ struct Given<'a> {
 }
 
 impl Checker<'_> {
-    /// Initial states that the materials can have, under effects and by methods that allow them.
+    /// Checks that the initial states are possible for the materials and allowed by the effects.
     pub(super) fn initial_states(
         &self,
         raw: &RawBar,
@@ -51,14 +51,14 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// An error at the first of these keys that is given.
+    /// Returns an error at the first of these keys that is given.
     fn at_key(&self, given: &Given<'_>, keys: &[usize], message: String) -> crate::error::InputError {
         let place = keys.iter().find_map(|&which| given.raw.initial_of(given.k, which));
         let (key, span) = place.unwrap_or_default();
         self.error(span, &key, message)
     }
 
-    /// Temperatures need a bar that warms, and one that it can have.
+    /// Checks that temperatures are used only with heating, and are within the range of the material.
     fn heat_of_start(&self, given: &Given<'_>, raw_effects: &RawEffects) -> Result<()> {
         let warm = given.raw.initial_of(given.k, TEMPERATURE).is_some();
         let heating = given.segment.material.heating.as_deref().filter(|heating| heating.warms());
@@ -179,7 +179,7 @@ impl Checker<'_> {
             .into())
     }
 
-    /// Front tracking makes a staircase of a state that changes along the bar, which must not have too many steps.
+    /// Checks the number of steps of the staircase into which front tracking divides an initial state that varies along the bar.
     pub(super) fn staircase_is_short(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
         let steps = steps_needed(bar, method);
         if steps <= MOST_PIECES {
@@ -198,7 +198,7 @@ impl Checker<'_> {
     }
 }
 
-/// The curve at the reference temperature.
+/// Returns the curve at the reference temperature.
 fn static_curve(segment: &Segment, sense: Sense) -> &Curve {
     let cold = segment.material.heating.as_ref().map(|heating| &heating.cold[..]);
     match cold {
@@ -214,8 +214,9 @@ fn static_curve(segment: &Segment, sense: Sense) -> &Curve {
     }
 }
 
-/// The states that a segment has at t = 0, with the words for their places: one, or those beside every row and where the plastic strain
-/// is one of `corners`. Between them all is straight.
+/// Returns the initial states of a segment that have to be checked, with their positions in words: the uniform state, or the states on both sides of
+/// every row and wherever the plastic strain or its accumulated value equals one of `corners` in magnitude. The state is linear between these
+/// positions.
 fn states(given: &Given<'_>, corners: &[f64]) -> Vec<(Initial, String)> {
     let Some(profile) = &given.segment.profile else { return vec![(given.segment.initial, String::new())] };
     let mut places = profile.knots();
@@ -245,7 +246,7 @@ fn moves(effects: &Effects) -> bool {
     effects.hardening.is_some_and(HardeningRule::moves)
 }
 
-/// Stresses between which a place in an initial state is elastic, Pa.
+/// Returns the elastic range of a section with this initial state, as lower and upper stress, Pa.
 fn elastic_range(segment: &Segment, initial: &Initial, effects: &Effects) -> [f64; 2] {
     let modulus = segment.material.modulus;
     let hardening = |sense| Hardening::new(&Table::new(static_curve(segment, sense), modulus));
@@ -260,7 +261,7 @@ fn elastic_range(segment: &Segment, initial: &Initial, effects: &Effects) -> [f6
     if !moves(effects) {
         return [-flow(&compression, p), flow(&tension, p)].map(|limit| softening * limit);
     }
-    // Hardening that moves the range needs one curve for both senses.
+    // Hardening that moves the elastic range requires a single curve for tension and compression.
     let flow_stress = flow(&tension, p);
     let moved = match effects.hardening {
         Some(HardeningRule::ArmstrongFrederick { c, gamma }) => BackStress::new(c, gamma, modulus).first_loading(p),

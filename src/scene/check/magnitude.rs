@@ -1,12 +1,12 @@
-//! Values that are possible individually, but not together.
+//! Checks of values that are possible individually but not together.
 
 use super::Checker;
 use crate::bar::{Bar, EndCondition, Segment};
 use crate::error::Result;
 
 impl Checker<'_> {
-    /// No end may be pushed into the bar as fast as the fastest wave runs away from it: a front of speed c leaves the strain -v/c, which
-    /// has to stay above -1.
+    /// Checks that no end is pushed into the bar at or above the elastic wave speed. A front of speed c leaves the strain -v/c, which must be above
+    /// -1.
     pub(super) fn not_crushed_at_once(&self, bar: &Bar, ends: [&EndCondition; 2]) -> Result<()> {
         let last = bar.segments.len() - 1;
         for (key, side, segment, inward) in [("left", 0, 0, 1.0), ("right", 1, last, -1.0)] {

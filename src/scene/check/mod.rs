@@ -33,26 +33,26 @@ use crate::text_file::NamedFiles;
 use crate::typed::{Key, Placed};
 use crate::units::{Dimension, Measure};
 
-/// Memory of a cell and of a sample over x, with the frames that wait to be written, bytes.
+/// Memory per cell and per sample over x, including the frames that wait to be written, bytes.
 const BYTES_PER_CELL: f64 = 100.0;
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 
-/// What to add where a required table is missing.
+/// Help for a missing required table.
 const ENDS: &str = "both ends are required: add e.g. [left] with kind = \"velocity\" and value = \"30 m/s\", and \
                     [right] with kind = \"free\"";
 const UNTIL: &str = "add [solve] with until, the end time, e.g. until = \"200 us\"";
 
-/// The file being checked and the folder that its paths are relative to.
+/// File that is checked, and the folder to which its paths are relative.
 pub(super) struct Checker<'a> {
     pub document: &'a Document,
     pub base: &'a Path,
-    /// The bar is twisted, which changes the dimensions of some keys.
+    /// Whether the bar is in torsion, which changes the dimensions of some keys.
     pub torsion: bool,
-    /// The keys that stand in [bar] and in [solve]; none in scenes without a bar.
+    /// Keys given in `[bar]` and in `[solve]`; empty for scenes without a bar.
     pub keys: [Vec<GivenKey>; 2],
 }
 
-/// Checks a document; `text` and `overrides` of the scene are the caller's to fill.
+/// Checks a document; the caller sets `text` and `overrides` of the scene.
 pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     let mut parsed = document.parsed()?;
     let keys = ["bar", "solve"].map(|table| parsed.keys_in(table));
@@ -63,7 +63,7 @@ pub(super) fn check(document: &Document, base: &Path) -> Result<Scene> {
     Checker { document, base, torsion, keys }.scene(raw, ends)
 }
 
-/// The first of several keys that is given.
+/// Returns the first of several keys that is given.
 pub(super) fn first_given<const N: usize>(
     keys: [(&'static str, Option<Range<usize>>); N],
 ) -> Option<(&'static str, Range<usize>)> {
@@ -119,12 +119,12 @@ impl Checker<'_> {
         Ok(Scene { parts })
     }
 
-    /// The file's stem.
+    /// Returns the stem of the file.
     pub(super) fn name(&self) -> String {
         Path::new(&self.document.file).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
     }
 
-    /// The bar in torsion becomes one in terms of its surface.
+    /// Converts a bar in torsion to quantities of its surface; refuses keys of torsion in an axial bar.
     fn twist_or_not(&self, raw: &Placed<RawBar>, bar: &mut Bar) -> Result<Option<Torsion>> {
         if self.torsion {
             return self.twist(raw, bar).map(Some);
@@ -132,7 +132,7 @@ impl Checker<'_> {
         self.nothing_of_torsion(raw, bar).map(|()| None)
     }
 
-    /// The left and the right end.
+    /// Reads the left and the right end.
     fn ends(&self, raw: [Option<Table<'_>>; 2], bar: &Bar, torsion: Option<&mut Torsion>) -> Result<[EndCondition; 2]> {
         let end = |raw: Option<Table<'_>>, key, segment| {
             let table = self.required(raw, key, ENDS)?;
@@ -162,17 +162,17 @@ impl Checker<'_> {
         self.document.error(span, key, message)
     }
 
-    /// A number in SI.
+    /// Reads a number in SI units.
     pub(super) fn si<K: Key>(&self, key: &K) -> Result<K::Si> {
         key.si(self.document, self.torsion)
     }
 
-    /// What a number measures.
+    /// Returns the dimension of a number.
     fn dimension<D: Measure>(&self) -> Dimension {
         if self.torsion { D::IN_TORSION } else { D::DIMENSION }
     }
 
-    /// A count; for more than can be had the message says what they would take.
+    /// Reads a count. If it exceeds `most`, the text returned by `takes` is added to the message: what such a count would need.
     fn count<K: Key>(&self, key: &K, most: usize, takes: impl Fn(f64) -> String) -> Result<K::Si> {
         let asked = key.typed().and_then(|typed| typed.get_ref().si(Dimension::None).ok()).unwrap_or(0.0);
         self.si(key).map_err(|e| match e {
@@ -184,7 +184,7 @@ impl Checker<'_> {
         })
     }
 
-    /// A count of cells or samples.
+    /// Reads a number of cells or samples.
     fn count_of_cells<K: Key>(&self, key: &K) -> Result<K::Si> {
         let gib = |asked| format!(": they need about {:.1} GiB of memory", asked * BYTES_PER_CELL / GIB);
         self.count(key, MOST_CELLS, gib)
@@ -200,7 +200,7 @@ impl Checker<'_> {
         Err(error.allowed(format!("one of {names}")).help("keep one of them").into())
     }
 
-    /// A part that must be there; the help line says what to add.
+    /// Returns a required part; the help line of the error states what to add.
     pub(super) fn required<T>(&self, part: Option<T>, key: &str, help: &str) -> Result<T> {
         part.ok_or_else(|| self.missing(self.end_of_text(), key, help))
     }
@@ -210,7 +210,7 @@ impl Checker<'_> {
         self.error(span, key, format!("`{name}` is missing")).help(help).into()
     }
 
-    /// Where a whole missing table would be added: the last line that has text.
+    /// Returns the position at which a missing table would be added: the end of the last line with text.
     fn end_of_text(&self) -> Range<usize> {
         let end = self.document.text.trim_end().len();
         end..end

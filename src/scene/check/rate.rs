@@ -28,7 +28,7 @@ impl Checker<'_> {
         Ok(law)
     }
 
-    /// The materials' own constants; one material at least states some.
+    /// Selects the constants of the materials; at least one material must have some.
     fn rate_of_materials(&self, raw: &Placed<RateChoice>, bar: &Bar) -> Result<Rate> {
         if bar.segments.iter().any(|s| Overstress::of(Rate::Material, &s.material).is_some()) {
             return Ok(Rate::Material);

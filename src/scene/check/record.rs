@@ -12,13 +12,13 @@ use crate::units::{Dimension, System, format};
 
 /// Default number of samples over x for a method without cells.
 const SAMPLES: usize = 1000;
-/// Largest result file, before compression, that is not a slip of the pen.
+/// Largest size of a result file before compression, GiB; a larger one is assumed to be a mistake.
 const MOST_GIB: f64 = 64.0;
-/// Most gauges: each is a group of the file, and a column of its table of fronts.
+/// Largest number of gauges: each is a group of the file, and a column of its table of fronts.
 const MOST_GAUGES: usize = 1000;
-/// Bytes of a row of a gauge: time, stress, strain, velocity, and the temperature.
+/// Bytes per row of a gauge: time, stress, strain, velocity and temperature.
 const GAUGE_BYTES: f64 = 40.0;
-/// Rows that the file makes room for at once.
+/// Number of rows for which the file allocates space at once.
 const LEAST_ROWS: f64 = 1024.0;
 
 impl Checker<'_> {
@@ -33,7 +33,7 @@ impl Checker<'_> {
         let tracked = solve.method.tracks_fronts();
         let record = Record {
             times: self.times(raw, solve.until)?,
-            // Which method a tolerance chooses must not change what is recorded.
+            // The recorded samples must not depend on the method that a tolerance selects.
             cells: cells.or((tracked || solve.tolerance.is_some()).then_some(SAMPLES)),
             paths: self.paths(raw, &solve.method)?,
             fields: self.fields(raw, effects, auto)?,
@@ -46,7 +46,7 @@ impl Checker<'_> {
         Ok(record)
     }
 
-    /// Whether the fronts' straight pieces are recorded.
+    /// Returns whether the straight segments of fronts are recorded.
     fn paths(&self, raw: &RawRecord, method: &Method) -> Result<bool> {
         let tracked = method.tracks_fronts();
         match &raw.paths {
@@ -64,7 +64,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Frame times, from at most one of the three forms.
+    /// Returns the frame times, from at most one of the three forms.
     fn times(&self, raw: &RawRecord, until: f64) -> Result<Vec<f64>> {
         let forms = [
             ("frames", raw.frames.place()),
@@ -95,7 +95,7 @@ impl Checker<'_> {
             return Err(self.error(every.span(), key, message).allowed(allowed).help("use a longer interval").into());
         }
         let mut times: Vec<f64> = (0..=whole as usize).map(|i| (i as f64 * step).min(until)).collect();
-        // A step that divides the run up to round-off ends it; any other leaves a shorter last step.
+        // If the interval divides the run except for rounding, its last multiple is the end; otherwise the last interval is shorter.
         match times.last_mut() {
             Some(last) if until - *last <= 1e-9 * step => *last = until,
             _ => times.push(until),
@@ -127,7 +127,7 @@ impl Checker<'_> {
         Ok(times)
     }
 
-    /// The fields; those of effects that `auto` turns on because of them may be among these.
+    /// Reads the fields. With `auto`, fields of effects that are not yet enabled are allowed, because `effects = "auto"` enables these effects.
     fn fields(&self, raw: &RawRecord, effects: &Effects, auto: bool) -> Result<Vec<Field>> {
         let Some(list) = &raw.fields else { return Ok(vec![Field::Stress, Field::Strain, Field::Velocity]) };
         let mut fields = Vec::with_capacity(list.len());
@@ -160,7 +160,7 @@ impl Checker<'_> {
         Ok(fields)
     }
 
-    /// Gauges in the order of the file, which the map has lost and the places keep.
+    /// Returns the gauges in the order of the file. The map does not preserve the order, but the positions of the values do.
     pub(in crate::scene) fn gauges(&self, raw: &Gauges, length: f64, body: &str) -> Result<Vec<(String, f64)>> {
         let mut list: Vec<_> = raw.iter().collect();
         list.sort_by_key(|(_, place)| place.span().start);
@@ -186,7 +186,7 @@ impl Checker<'_> {
         Ok(gauges)
     }
 
-    /// Refuses histories that no disk is meant to hold. How many rows front tracking gives is not known before.
+    /// Refuses histories above the limit of size. The number of rows of front tracking is not known in advance.
     fn gauges_fit(&self, record: &Record, solve: &Solve, bar: &Bar) -> Result<()> {
         let steps = match solve.method {
             Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => cells as f64 / cfl,
@@ -211,7 +211,7 @@ impl Checker<'_> {
         Err(error.allowed(std::format!("at most {MOST_GAUGES} gauges and {MOST_GIB} GiB")).help(help).into())
     }
 
-    /// Refuses fields that no disk is meant to hold.
+    /// Refuses fields above the limit of size.
     fn fits(&self, raw: &RawRecord, record: &Record, solve: &Solve) -> Result<()> {
         let own = match solve.method {
             Method::Leapfrog { cells, .. } | Method::Muscl { cells, .. } | Method::CharacteristicNet { cells } => cells,
@@ -240,7 +240,7 @@ impl Checker<'_> {
     }
 }
 
-/// `frames` times from 0 to `until`, both included; one frame is the end alone.
+/// Returns `frames` evenly spaced times from 0 to `until`, both included; a single frame is at the end.
 fn even_times(frames: usize, until: f64) -> Vec<f64> {
     let intervals = frames - 1;
     (0..frames).map(|i| if i == intervals { until } else { until * i as f64 / intervals as f64 }).collect()

@@ -51,7 +51,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// A joint notch needs a joint that holds.
+    /// Refuses a stress concentration factor of a joint that cannot fracture.
     fn joint_can_break(&self, i: usize, segment: &RawSegment, last: bool) -> Result<()> {
         let Some(span) = segment.joint_notch.place() else { return Ok(()) };
         let contact = segment.joint.as_ref().is_some_and(|joint| *joint.get_ref() == RawJoint::Contact);
@@ -64,7 +64,7 @@ impl Checker<'_> {
         Err(error.help("remove it, or use `stress-concentration` for the whole segment").into())
     }
 
-    /// A segment that is stressed beyond its spall strength at t = 0 fractures at all places at once: there is no solution.
+    /// Refuses a segment whose initial stress reaches its spall strength: it would fracture at all positions at once, and there is no solution.
     fn holds_at_first(&self, strength: f64, notches: &[f64], raw: &RawBar, bar: &Bar) -> Result<()> {
         for (k, (segment, notch)) in bar.segments.iter().zip(notches).enumerate() {
             let along = segment.profile.as_deref().map(|profile| &profile.stress);

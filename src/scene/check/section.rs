@@ -1,4 +1,4 @@
-//! The cross-section of a segment: constant, or a table along it.
+//! Cross-section of a segment: constant, or a table along the segment.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -12,20 +12,20 @@ use crate::error::Result;
 use crate::typed::Placed;
 use crate::units::{Dimension, System, format};
 
-/// A checked section.
+/// Checked section.
 pub(super) struct Section {
-    /// m^2, the mean of a taper.
+    /// Area, m^2; the mean area of a taper.
     pub area: f64,
     pub taper: Option<Arc<Taper>>,
 }
 
-/// The last row of a taper stands at the segment's right end if it is this near, relative to the length.
+/// Relative difference (of the length) up to which the last row of a taper counts as being at the segment's right end.
 const SAME_PLACE: f64 = 1e-9;
 
 const ROWS: &str = "x increasing from 0 to the length, sizes > 0";
 
 impl Checker<'_> {
-    /// The section of a piece `length` long, if it states one.
+    /// Reads the section of a piece of length `length`, m; `None` if it has none.
     pub(super) fn section(&self, piece: &RawPiece<'_>, key: &str, length: f64) -> Result<Option<Section>> {
         if let (Some(_), Some(diameter)) = (piece.area, piece.diameter) {
             let message = "the section has both an area and a diameter";
@@ -40,7 +40,7 @@ impl Checker<'_> {
         piece.diameter.map(diameter).transpose()
     }
 
-    /// Methods with uniform media make staircases of tapers and initial states, which must not have too many steps.
+    /// Checks the number of steps in the staircases into which methods with uniform media divide tapers and initial states.
     pub(super) fn staircases_are_short(&self, raw: &RawBar, bar: &Bar, method: &Method) -> Result<()> {
         self.staircase_is_short(raw, bar, method)?;
         self.taper_can_be_solved(raw, bar, method)
@@ -81,7 +81,7 @@ impl Checker<'_> {
             let row = error.at();
             self.error(place(row), &format!("{key}.{row}"), error.to_string()).allowed(ROWS).help(help)
         })?;
-        // A table that changes nothing is no taper, and the bar is the uniform one to the last bit.
+        // A table of constant area is not a taper, so that the result is bit-identical to that of a uniform bar.
         let uniform = taper.is_uniform();
         let area = if uniform { area(profile, pairs[0].1) } else { taper.mean(0.0, length) };
         Ok(Section { area, taper: (!uniform).then(|| Arc::new(taper)) })

@@ -9,11 +9,11 @@ use crate::error::Result;
 use crate::input::GivenKey;
 use crate::typed::Placed;
 
-/// Most steps that a run can be asked for: a thousand cells take some ten days for them.
+/// Largest number of steps of a run: with a thousand cells they take about ten days.
 const MOST_STEPS: f64 = 1e12;
 
 impl RawSolve {
-    /// The scheme muscl is asked for.
+    /// Returns whether the scheme muscl is requested.
     fn is_muscl(&self) -> bool {
         self.scheme.as_ref().is_some_and(|scheme| *scheme.get_ref() == RawScheme::Muscl)
     }
@@ -27,7 +27,7 @@ impl RawMethod {
         }
     }
 
-    /// The keys, beside `until` and `method`, that this method takes with or without the effect of the strain rate.
+    /// Returns the keys of this method in addition to `until` and `method`, with or without the effect `rate`.
     fn keys(self, rate: bool) -> &'static [&'static str] {
         match (self, rate) {
             (Self::Fd, _) => &["scheme", "cells", "cfl"],
@@ -47,7 +47,7 @@ impl Checker<'_> {
         let until = self.si(until)?;
         let tolerance = self.tolerance(raw)?;
         let rate = asked.effects.rate.is_some();
-        // A net follows fronts of rate-dependent bars within one cell.
+        // A net resolves the fronts of rate-dependent bars within one cell.
         let default = if rate && Solver::Net.can(asked) { RawMethod::Moc } else { RawMethod::Fd };
         let method = raw.method.as_ref().map_or(default, |m| *m.get_ref());
         method_can(self.document, raw, Solver::of(method, raw.is_muscl(), rate), asked)?;
@@ -57,13 +57,13 @@ impl Checker<'_> {
             (RawMethod::Moc, false) => self.front_tracking(raw)?,
             (RawMethod::Moc, true) => Method::CharacteristicNet { cells: self.cells(raw)? },
         };
-        // What is left out may change the answer by no more than what is asked of it.
+        // The errors due to neglected effects should not exceed the requested tolerance.
         let default = tolerance.as_ref().map_or(Solve::AUDIT_TOLERANCE, |t| t.value);
         let audit_tolerance = self.si(&raw.audit_tolerance)?.unwrap_or(default);
         Ok(Solve { until, method, tolerance, estimate_error: false, audit_tolerance })
     }
 
-    /// The end time in steps of the fastest wave through a cell; where fronts are followed there are none.
+    /// Checks the number of time steps up to the end time; front tracking has none.
     pub(super) fn steps_can_be_taken(&self, raw: &RawSolve, solve: &Solve, bar: &Bar) -> Result<()> {
         let (cells, cfl) = match solve.method {
             Method::Leapfrog { cells, cfl } | Method::Muscl { cells, cfl } => (cells, cfl),
@@ -77,7 +77,7 @@ impl Checker<'_> {
         Err(error.help("use a shorter time or fewer cells, and check length, modulus and density").into())
     }
 
-    /// The tolerance that takes the place of a method, and of all that belongs to one. Its methods are the reader's to find.
+    /// Reads the tolerance, which replaces a method and its keys. The caller determines its methods.
     fn tolerance(&self, raw: &RawSolve) -> Result<Option<Tolerance>> {
         let Some(value) = self.si(&raw.tolerance)? else { return Ok(None) };
         if let Some(GivenKey { name, value: span, .. }) = self.given(&["method"]).next() {
@@ -128,7 +128,7 @@ impl Checker<'_> {
         Err(self.error(span.clone(), &format!("solve.{name}"), message).allowed(allowed).help(help).into())
     }
 
-    /// The keys of methods that are given, with `others`, and the places of their values.
+    /// Returns the keys of methods that are given, including those of `others`, with the positions of their values.
     fn given(&self, others: &[&str]) -> impl Iterator<Item = &GivenKey> {
         let of_methods = [(RawMethod::Fd, false), (RawMethod::Moc, false)];
         let keys: Vec<&str> =

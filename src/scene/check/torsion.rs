@@ -1,4 +1,4 @@
-//! Bars in torsion: allowed keys, and the conversion to surface quantities: a bar in tension with the area J/R^2, see
+//! Bars in torsion: allowed keys, and the conversion to quantities of the surface, i.e. to a bar in tension with the area J/R^2, see
 //! [`crate::material::TubeSection`] and [`crate::scene::Torsion`].
 
 use std::collections::HashMap;
@@ -17,25 +17,25 @@ use crate::material::{CurveError, Loading, Material, TubeSection};
 use crate::typed::Placed;
 use crate::units::Dimension;
 
-/// The wall of a tube in which stress is taken as even, in parts of its diameter: J is then right to 0.3 %.
+/// Smallest ratio of diameter to wall thickness of a tube whose stress is taken as uniform over the wall; the error of J is then at most 0.3 %.
 const THINNEST: f64 = 20.0;
 
-/// Radii closer than this (relative) are one.
+/// Relative difference up to which radii count as equal.
 const SAME_RADIUS: f64 = 1e-9;
 
-/// What one segment states of its section.
+/// Keys of the section of one segment.
 struct Given<'a> {
     piece: RawPiece<'a>,
     key: String,
     span: Range<usize>,
 }
 
-/// A round section: the radius whose stress and strain stand for it, J, and the hollow to integrate over (none: thin).
+/// Round section: the radius at which stress and strain are given, m, J, m^4, and the tube section for the integration (`None` for a thin tube).
 struct Round {
     radius: f64,
     polar: f64,
     hollow: Option<TubeSection>,
-    /// Of a thin tube, m.
+    /// Wall thickness of a thin tube, m.
     wall: Option<f64>,
 }
 
@@ -55,14 +55,14 @@ fn all_given(raw: &Placed<RawBar>) -> Vec<Given<'_>> {
 }
 
 impl Given<'_> {
-    /// Where the material stands, or ought to.
+    /// Returns the position of the material, or that of the segment if it has none.
     fn material(&self) -> Range<usize> {
         self.piece.material.map_or_else(|| self.span.clone(), Placed::span)
     }
 }
 
 impl Checker<'_> {
-    /// In an axial bar: nothing that belongs to torsion alone.
+    /// Refuses keys and materials of torsion in an axial bar.
     pub(super) fn nothing_of_torsion(&self, raw: &Placed<RawBar>, bar: &Bar) -> Result<()> {
         if let Some(shear) = &raw.get_ref().shear {
             let error = self.error(shear.span(), "bar.shear", "`shear` does not apply to an axial bar");
@@ -96,10 +96,10 @@ impl Checker<'_> {
         self.error(given.material(), &format!("{}.material", given.key), message).help(help)
     }
 
-    /// Makes of a bar as it was read one in terms of its surface.
+    /// Converts a bar, as read, to quantities of its surface.
     pub(super) fn twist(&self, raw: &Placed<RawBar>, bar: &mut Bar) -> Result<Torsion> {
         let mut torsion = Torsion { radius: 0.0, polar: Vec::new(), levers: [1.0; 2] };
-        // Each different material of each different section once, so that segments share it.
+        // Each distinct material with each distinct section is converted once and shared by its segments.
         let mut shared: HashMap<(usize, u64), Arc<Material>> = HashMap::new();
         for (k, given) in all_given(raw).into_iter().enumerate() {
             let segment = &mut bar.segments[k];
@@ -180,7 +180,7 @@ impl Checker<'_> {
                 Ok(Round { radius, polar: 2.0 * PI * radius.powi(3) * wall, hollow: None, wall: Some(wall) })
             }
             (inner, None) => {
-                // Thinner walls than this are lost in rounding.
+                // Thinner walls than this would be lost in rounding.
                 let range = Allowed::Above(0.0, outer * (1.0 - 1e-6));
                 let inner = inner.map_or(Ok(0.0), |inner| inner.si_within(self.document, range))?;
                 let q = inner / outer;

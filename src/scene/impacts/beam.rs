@@ -1,4 +1,4 @@
-//! `[beam]` scenes: a sphere on a simply supported beam.
+//! `[beam]` scenes: impact of a sphere on a simply supported beam.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -95,7 +95,7 @@ pub struct RawBeamRecord {
     pub shapes: Or<Count<0, { Beam::MOST_SHAPES }>, 8>,
 }
 
-/// Most steps, 1/128 of the contact time, over which readings at gauges are searched for the largest.
+/// Largest number of steps, each 1/128 of the contact time, over which the extremes at gauges are searched.
 const MOST_STEPS: f64 = 2e7;
 
 pub(super) fn check(checker: &Checker<'_>) -> Result<Parts> {
@@ -182,7 +182,7 @@ impl Checker<'_> {
         self.any_section(raw, depth, span)
     }
 
-    /// A section by its area and second moment of area.
+    /// Returns a section given by its area and second moment of area.
     fn any_section(&self, raw: &RawBeam, depth: f64, span: Range<usize>) -> Result<Section> {
         let area = self.needed(raw.area.as_ref(), "area", span.clone(), "beam")?;
         let inertia = self.needed(raw.inertia.as_ref(), "inertia", span, "beam")?;
@@ -223,7 +223,7 @@ impl Checker<'_> {
         Err(error.help("give `solve.until` a shorter time, or record no gauges").into())
     }
 
-    /// A contact wider than the section, or a sphere longer than the beam, is no contact at a point.
+    /// Refuses a contact wider than the section, or a sphere longer than the beam: the theory assumes contact at a point.
     fn sphere_fits(&self, beam: &Beam, striker: &Placed<RawSphere>) -> Result<()> {
         let contact = beam.area_of_contact();
         let approach = contact.law.largest_approach(beam.striker.mass, beam.striker.velocity);

@@ -1,4 +1,4 @@
-//! Keys of striking and struck bodies, shared by all kinds of impacts.
+//! Striking and struck bodies, shared by all kinds of impacts.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -23,13 +23,13 @@ raw_body! {
     }
 }
 
-/// The tolerance of an integration.
+/// Tolerance of an integration.
 pub(super) type Tolerance = Of<Plain, Tolerances>;
 
-/// A body with the material that it names.
+/// Body, with its material if it names one.
 pub(super) type Made<T> = (T, Option<Arc<Material>>);
 
-/// SI, for the resolved scene.
+/// Returns the elastic constants in SI units for the resolved scene.
 pub(super) fn elastic_json(elastic: &Elastic) -> Value {
     let rigid = elastic.modulus.is_infinite();
     let number = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
@@ -39,7 +39,7 @@ pub(super) fn elastic_json(elastic: &Elastic) -> Value {
     })
 }
 
-/// SI, for the resolved scene.
+/// Returns the sphere or half-space in SI units for the resolved scene.
 pub(super) fn solid_json(solid: &Solid) -> Value {
     let number = |value: f64| if value.is_finite() { json!(value) } else { Value::Null };
     json!({
@@ -48,20 +48,20 @@ pub(super) fn solid_json(solid: &Solid) -> Value {
     })
 }
 
-/// Of a body of given mass as a solid sphere, kg/m^3; NaN where it is not one: the mass is that of a body with a spherical face.
+/// Returns the density of a solid sphere of this mass, kg/m^3. Returns NaN if it is out of range: the body then only has a spherical face.
 fn mean_density(mass: f64, radius: f64) -> f64 {
     let (density, range) = (mass / (4.0 / 3.0 * PI * radius.powi(3)), Dimension::Density.magnitudes());
     if (range.least..=range.most).contains(&density) { density } else { f64::NAN }
 }
 
 impl Checker<'_> {
-    /// A sphere with Hertz's contact.
+    /// Reads a sphere for Hertz's contact law.
     pub(super) fn sphere(&self, raw: &Placed<RawSphere>, key: &str) -> Result<Made<Solid>> {
         let (span, raw) = (raw.span(), raw.get_ref());
         self.sphere_at(&raw.keys(), span, key, self.si(&raw.velocity)?)
     }
 
-    /// The same with a velocity that is known.
+    /// Reads a sphere whose velocity is known.
     pub(super) fn sphere_at(
         &self,
         keys: &BodyKeys<'_>,
@@ -82,7 +82,7 @@ impl Checker<'_> {
         Ok((Solid { radius, mass, velocity, elastic }, material))
     }
 
-    /// The elastic constants of a struck body, whose density must be known.
+    /// Reads the elastic constants of a struck body, whose density must be known.
     pub(super) fn elastic(&self, keys: &BodyKeys<'_>, span: Range<usize>, key: &str) -> Result<Made<Elastic>> {
         let material = self.ball_material(keys, key)?;
         self.made_of_something(keys, span.clone(), key, "modulus, poisson and density")?;
@@ -92,7 +92,7 @@ impl Checker<'_> {
         Ok((elastic, material))
     }
 
-    /// A half-space, whose density has no part in the contact.
+    /// Reads a half-space, whose density does not affect the contact.
     pub(super) fn half_space(&self, keys: &BodyKeys<'_>, span: Range<usize>, key: &str) -> Result<Made<Solid>> {
         let material = self.ball_material(keys, key)?;
         self.made_of_something(keys, span.clone(), key, "modulus and poisson")?;
@@ -118,7 +118,7 @@ impl Checker<'_> {
         Ok(Elastic { modulus, poisson, density, yield_stress: material.map(limit) })
     }
 
-    /// Refuses a body of which neither a material nor a modulus is given.
+    /// Refuses a body for which neither a material nor a modulus is given.
     fn made_of_something(&self, keys: &BodyKeys<'_>, span: Range<usize>, key: &str, instead: &str) -> Result<()> {
         if keys.material.is_some() || keys.modulus.is_some() || keys.is_rigid() {
             return Ok(());

@@ -1,7 +1,7 @@
-//! Scenes of impacts without waves in a bar: the energy method, spheres, plates, beams.
+//! Scenes of impacts without waves in a bar: the energy method, spheres, plates and beams.
 //!
-//! A kind of scene is a file here that reads its keys, its line in [`KINDS`], and its [`Problem`] in `impact`. Everything else is the same
-//! for all: checks, runs, result files, summaries, plans, reports and cost studies.
+//! A kind of scene consists of a file in this module that reads its keys, its entry in [`KINDS`], and its [`Problem`] in `impact`. Everything else is
+//! common to all kinds: checks, runs, result files, summaries, plans, reports and cost studies.
 
 mod beam;
 mod body;
@@ -21,23 +21,23 @@ use crate::input::{Document, nearest};
 use crate::material::Material;
 use crate::typed;
 
-/// A kind of scene, known by the table that stands in place of `[bar]`.
+/// Kind of scene, identified by the table that replaces `[bar]`.
 #[derive(Debug)]
 pub struct Kind {
-    /// The table's name.
+    /// Name of the table.
     pub key: &'static str,
-    /// Its keys.
+    /// Returns the schema of its keys.
     pub schema: fn() -> schemars::Schema,
     check: fn(&Checker<'_>) -> Result<Parts>,
 }
 
-/// What a kind reads from its scene.
+/// Data that a kind reads from its scene.
 struct Parts {
     title: Option<String>,
     problem: Arc<dyn Problem>,
-    /// What the bodies are made of, where the scene names materials.
+    /// Materials of the bodies, if the scene names them.
     materials: Vec<Arc<Material>>,
-    /// Tables of the scene with every default filled in, SI.
+    /// Tables of the scene in SI units, with all defaults filled in.
     resolved: Value,
 }
 
@@ -49,31 +49,31 @@ pub const KINDS: [Kind; 4] = [
     Kind { key: "beam", schema: || typed::schema::<beam::RawBeamScene>(), check: beam::check },
 ];
 
-/// A checked scene of any of these kinds.
+/// Checked scene of any of these kinds.
 #[derive(Debug, Clone)]
 pub struct ImpactScene {
     /// Title; by default the stem of the file.
     pub title: String,
-    /// The file's stem: names the default output.
+    /// Stem of the file, used for the name of the default output.
     pub name: String,
-    /// The scene's exact text, as read.
+    /// Exact text of the scene, as read.
     pub text: String,
-    /// Changes of keys (on the command line `--set`), as typed.
+    /// Changes of keys (`--set` on the command line), as typed.
     pub overrides: Vec<String>,
     /// The impact.
     pub problem: Arc<dyn Problem>,
-    /// What the bodies are made of, where the scene says so.
+    /// Materials of the bodies, if the scene names them.
     pub materials: Vec<Arc<Material>>,
     resolved: Value,
 }
 
 impl ImpactScene {
-    /// Notes on its keys.
+    /// Returns notes on the deprecated keys of the scene.
     pub fn notes(&self) -> Vec<String> {
         super::deprecated::notes(&self.text, &self.overrides)
     }
 
-    /// All input values of the simulation, SI.
+    /// Returns all input values of the simulation in SI units.
     pub fn resolved_json(&self) -> Value {
         let mut all = json!({ "title": self.title, "name": self.name, "overrides": self.overrides });
         if let (Some(all), Some(own)) = (all.as_object_mut(), self.resolved.as_object()) {
@@ -83,8 +83,9 @@ impl ImpactScene {
     }
 }
 
-/// The kind of a scene; none of a bar, and of text that is no TOML, of which its reader complains better. A scene of no kind is of that whose
-/// key one of its own resembles, so that the error suggests it.
+/// Returns the kind of a scene. Returns `None` for a scene that has `[bar]` and no table of another kind, and for text that is not valid TOML, for
+/// which the reader reports a better error. A scene with none of these tables is of the kind whose table name resembles one of its keys, so that the
+/// error suggests it.
 pub(super) fn kind(document: &Document) -> Option<&'static Kind> {
     let parsed = document.parsed().ok()?;
     if parsed.has("bar") {
@@ -94,16 +95,16 @@ pub(super) fn kind(document: &Document) -> Option<&'static Kind> {
     KINDS.iter().find(|kind| parsed.has(kind.key)).or_else(|| KINDS.iter().find(like))
 }
 
-/// What makes a scene one of a bar, or of one of the kinds, that is most like a key.
+/// Returns the table name (`bar`, or that of one of the kinds) that is most similar to a key.
 fn resembled(key: &str) -> Option<&'static str> {
     nearest(key, KINDS.iter().map(|kind| kind.key).chain(["bar"]))
 }
 
-/// Checks a document; `text` and `overrides` are the caller's to fill.
+/// Checks a document; the caller sets `text` and `overrides`.
 pub(super) fn check(kind: &Kind, document: &Document, base: &Path) -> Result<ImpactScene> {
     let checker = Checker { document, base, torsion: false, keys: Default::default() };
     let Parts { title, problem, materials, resolved } = (kind.check)(&checker)?;
-    // A check and a plan refuse what a run would.
+    // A check and a plan refuse everything that a run would refuse.
     problem.check()?;
     let name = checker.name();
     let title = title.unwrap_or_else(|| name.clone());

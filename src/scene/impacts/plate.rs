@@ -1,4 +1,4 @@
-//! `[plate]` scenes: a sphere on an infinite elastic plate.
+//! `[plate]` scenes: impact of a sphere on an infinite elastic plate.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! `[specimen]` scenes: a striker and a specimen of the energy method.
+//! `[specimen]` scenes: a striker and a specimen, solved by the energy method.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

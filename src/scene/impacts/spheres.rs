@@ -1,4 +1,4 @@
-//! `[spheres]` scenes: two bodies in direct central impact.
+//! `[spheres]` scenes: direct central impact of two bodies.
 
 use std::sync::Arc;
 
@@ -94,11 +94,11 @@ impl RawSpheres {
     }
 }
 
-/// What is known of both bodies, and their materials.
+/// Problem with the data of both bodies, and their materials.
 type Bodies = (Spheres, Vec<Arc<crate::material::Material>>);
 
 impl Checker<'_> {
-    /// Equations 9.3 and 9.4: masses and velocities alone.
+    /// Reads a problem that is solved from masses and velocities alone (equations 9.3 and 9.4).
     fn by_momentum(&self, raw: &Placed<RawSpheres>, striker: &Placed<RawStrikingSphere>) -> Result<Spheres> {
         let struck = raw.get_ref();
         let masses = self.masses(raw, striker)?;
@@ -111,7 +111,7 @@ impl Checker<'_> {
         Ok(Spheres::Restitution { masses, velocities, restitution })
     }
 
-    /// Of striker and struck body, kg.
+    /// Returns the masses of the striker and the struck body, kg.
     fn masses(&self, raw: &Placed<RawSpheres>, striker: &Placed<RawStrikingSphere>) -> Result<[f64; 2]> {
         let (struck, body) = (raw.get_ref(), striker.get_ref());
         if struck.is_half_space() {
@@ -126,7 +126,7 @@ impl Checker<'_> {
         Ok([first, self.needed(struck.mass.as_ref(), "mass", raw.span(), "spheres")?])
     }
 
-    /// Refuses what contradicts a struck body that is at rest, and moves after the impact.
+    /// Refuses keys that contradict a struck body that is at rest before the impact and moves after it.
     fn pendulum_swings(&self, struck: &RawSpheres, body: &RawStrikingSphere) -> Result<()> {
         let at_rest = "with `velocity-after` the velocity of the striker is the result, and the struck body is at rest";
         let fixed = "with `velocity-after` the struck body moves after the impact; a half-space is fixed";
@@ -144,7 +144,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// Refuses keys of the contact where it has no part.
+    /// Refuses keys of the contact if it is not simulated.
     fn not_elastic(&self, keys: &BodyKeys<'_>, key: &str) -> Result<()> {
         let given = first_given([
             ("radius", keys.radius.place()),
@@ -200,7 +200,7 @@ impl Checker<'_> {
         Ok((Spheres::Hertz { solids: [first, second], tolerance }, materials))
     }
 
-    /// Refuses two rigid bodies: their contact has no duration.
+    /// Refuses two rigid bodies, whose contact has no duration.
     fn one_gives_way(&self, solids: [&Solid; 2], striker: &Placed<RawStrikingSphere>) -> Result<()> {
         if solids.iter().any(|solid| solid.elastic.modulus.is_finite()) {
             return Ok(());

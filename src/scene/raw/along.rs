@@ -1,4 +1,4 @@
-//! Values given as a constant or along the bar.
+//! Values that are constant or vary along the bar.
 
 use std::borrow::Cow;
 use std::marker::PhantomData;
@@ -15,34 +15,34 @@ use crate::typed::{Either, Finite, Of, Placed, Positive, Range, Row, Rows, VALUE
 use crate::units::measures::{AngularVelocity, Length, Velocity};
 use crate::units::{Dimension, Measure, Quantity};
 
-/// The velocity of a bar and its ends.
+/// Velocity of a bar and its ends: angular in torsion.
 pub type Motion = Either<Velocity, AngularVelocity>;
 
-/// A quantity along the bar, as it was typed.
+/// Quantity along the bar, as typed.
 #[derive(Debug)]
 pub enum RawDistribution {
-    /// All along.
+    /// Constant along the bar.
     Uniform(Quantity),
-    /// Rows [x, value]: x in m, never decreasing; straight between rows, a repeated x is a jump, beyond the outermost rows their values
-    /// hold.
+    /// Rows [x, value] with x in m, nondecreasing. The value is linear between rows; a repeated x is a jump; outside the outermost rows it is
+    /// constant.
     Table(Vec<Row>),
-    /// The same rows from a file.
+    /// Rows from a file.
     Csv(RawTableFile),
 }
 
-/// The same with its dimension and range; in a file of its own, where it can be.
+/// Quantity along the bar with its dimension and range. If `CSV` is true, it can be given by a file.
 #[derive(Debug)]
 pub struct Distributed<D, R = Finite, const CSV: bool = true>(RawDistribution, PhantomData<(D, R)>);
 
-/// An area or a diameter: one, or a table of them along the segment.
+/// Area or diameter: a constant, or a table along the segment.
 pub type Section<D> = Distributed<D, Positive, false>;
 
-/// A value along the bar with all that is needed to read it.
+/// Value along the bar with everything that is needed to read it.
 #[derive(Debug, Clone)]
 pub struct Given<'a> {
     pub span: Span<usize>,
     pub value: &'a RawDistribution,
-    /// In an axial bar, and in torsion.
+    /// Dimension in an axial bar, and in torsion.
     dimensions: [Dimension; 2],
     pub allowed: Allowed,
 }
@@ -52,13 +52,13 @@ impl Given<'_> {
         self.dimensions[usize::from(torsion)]
     }
 
-    /// The one value, where it is one.
+    /// Returns the constant value; `None` for a table.
     pub fn uniform(&self) -> Option<Number> {
         let RawDistribution::Uniform(value) = self.value else { return None };
         Some(Number::new(self.span.clone(), value.clone()))
     }
 
-    /// The rows of a table; none where it is no table.
+    /// Returns the rows of a table; empty if the value is not a table in the scene file.
     pub fn rows(&self) -> &[Row] {
         if let RawDistribution::Table(rows) = self.value { rows } else { &[] }
     }
@@ -113,7 +113,7 @@ impl<'de, D, R, const CSV: bool> Deserialize<'de> for Distributed<D, R, CSV> {
     }
 }
 
-/// By hand: an untagged derive loses the places of the numbers inside.
+/// Visitor, since a derived untagged enum would lose the positions of the numbers inside.
 struct Choice<const CSV: bool>;
 
 impl<'de, const CSV: bool> Visitor<'de> for Choice<CSV> {

@@ -1,4 +1,4 @@
-//! `[bar]`: segments, sections, joints and materials.
+//! Keys of `[bar]`: segments, sections, joints and materials.
 
 use std::ops::Range;
 
@@ -11,13 +11,13 @@ use crate::material::RawMaterial;
 use crate::typed::{Key, NotNegative, Of, Or, Placed, Plain, Positive, Within, text_or_table};
 use crate::units::measures::{Area, Length, Stress, Temperature};
 
-/// Largest notch factor: sharper ones are cracks, which are another matter.
+/// Largest stress concentration factor; larger ones describe cracks, which need fracture mechanics.
 const MOST_NOTCH: i64 = 1000;
 
-/// A stress concentration factor.
+/// Stress concentration factor.
 pub type Notch = Or<Of<Plain, Within<1, MOST_NOTCH>>, 1>;
 
-/// What a uniform bar and a segment both state.
+/// Keys that a uniform bar and a segment have in common.
 #[derive(Debug, Clone)]
 pub struct RawPiece<'a> {
     pub length: Option<&'a Of<Length, Positive>>,
@@ -29,14 +29,14 @@ pub struct RawPiece<'a> {
     pub initial: RawInitial<'a>,
 }
 
-/// Initial values as they were typed, by [`INITIAL`].
+/// Initial values as typed, in the order of [`INITIAL`].
 pub type RawInitial<'a> = [Option<Given<'a>>; 6];
 
-/// What can be given of a place at t = 0, in this order.
+/// Keys of the initial values, in this order.
 pub(in crate::scene) const INITIAL: [&str; 6] =
     ["velocity", "stress", "strain", "plastic-strain", "accumulated-plastic-strain", "temperature"];
 
-/// Declares a table with the keys of a piece of a bar, and its own after them.
+/// Declares a table with the common keys of a piece of a bar, followed by its own keys.
 macro_rules! pieces {
     ($($(#[$meta:meta])* $name:ident { $($own:tt)* })*) => {
         $(
@@ -127,12 +127,12 @@ pieces! {
 }
 
 impl RawBar {
-    /// The bar is twisted.
+    /// Returns whether the bar is in torsion.
     pub(in crate::scene) fn is_torsion(&self) -> bool {
         self.mode.as_ref().is_some_and(|mode| *mode.get_ref() == Mode::Torsion)
     }
 
-    /// Where the size of a segment's section stands, with its key.
+    /// Returns the key and the position of the size of a segment's section.
     pub(in crate::scene) fn section_of(&self, segment: usize) -> Option<(String, Range<usize>)> {
         let own = self.segment.as_ref().map(|list| list[segment].get_ref().piece());
         let parent = own.as_ref().map_or_else(|| "bar".to_owned(), |_| format!("bar.segment.{segment}"));
@@ -144,7 +144,7 @@ impl RawBar {
         Some((format!("{parent}.{name}"), span))
     }
 
-    /// Where a value of a segment stands: with its key, in the segment or as a table of the whole bar.
+    /// Returns the key and the position of an initial value of a segment, given in the segment or as a table for the whole bar.
     pub(in crate::scene) fn initial_of(&self, segment: usize, which: usize) -> Option<(String, Range<usize>)> {
         let own = self.segment.as_ref().map(|list| list[segment].get_ref().piece().initial);
         let own = own.and_then(|initial| initial.into_iter().nth(which).flatten());
@@ -155,13 +155,13 @@ impl RawBar {
 }
 
 impl RawSegment {
-    /// The notch factors that are given, with their keys.
+    /// Returns the keys of the stress concentration factors, with their positions if they are given.
     pub(in crate::scene) fn notches(&self) -> [(&'static str, Option<Range<usize>>); 2] {
         [("stress-concentration", self.notch.place()), ("joint-stress-concentration", self.joint_notch.place())]
     }
 }
 
-/// What kind of wave runs along the bar.
+/// Type of wave in the bar.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
@@ -171,7 +171,7 @@ pub enum Mode {
     Torsion,
 }
 
-/// How a curve in tension becomes one in shear.
+/// Conversion of a tension curve into a shear curve.
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawShear {
@@ -179,7 +179,7 @@ pub enum RawShear {
     VonMises,
 }
 
-/// How two segments meet.
+/// Connection of two segments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawJoint {
@@ -189,7 +189,7 @@ pub enum RawJoint {
     Contact,
 }
 
-/// A material: by name or path, or given in place.
+/// Material: its name, the path of its file, or the material itself.
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
 pub enum MaterialChoice {

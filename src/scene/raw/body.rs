@@ -4,7 +4,7 @@ use super::MaterialChoice;
 use crate::typed::{Of, Placed, Poisson, Positive};
 use crate::units::measures::{Density, Length, Mass, Stress};
 
-/// What is given of an elastic body, wherever it stands.
+/// Keys of an elastic body in any table.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BodyKeys<'a> {
     pub radius: Option<&'a Of<Length, Positive>>,
@@ -18,14 +18,14 @@ pub struct BodyKeys<'a> {
 }
 
 impl BodyKeys<'_> {
-    /// It does not give way.
+    /// Returns whether the body is rigid.
     pub(in crate::scene) fn is_rigid(&self) -> bool {
         self.rigid.is_some_and(|rigid| *rigid.get_ref())
     }
 }
 
-/// The raw table of a body: its own keys, then those of its material, with the method `keys`. With `sphere`, those of a sphere in between.
-/// (`serde(flatten)` would lose the places of values and the check of unknown keys.)
+/// Declares the raw table of a body with the method `keys`: its own keys, those of a sphere (with `sphere`), and those of its material.
+/// (`serde(flatten)` would lose the positions of values and the check for unknown keys.)
 macro_rules! raw_body {
     ($(#[$meta:meta])* $name:ident sphere { $($own:tt)* }) => {
         raw_body! { @table $(#[$meta])* $name {

@@ -1,4 +1,4 @@
-//! `[effects]`.
+//! Keys of `[effects]`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer};
@@ -8,17 +8,17 @@ use crate::material::RawRate;
 use crate::typed::{Example, Of, Placed, Plain, Positive, Within, optional_table, text_or_table};
 use crate::units::measures::{EnergyDensity, Stress};
 
-/// Which effects are simulated.
+/// Effects that are simulated.
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
 pub enum EffectsChoice {
-    /// Those without which the answer would be another one, as the program finds.
+    /// Effects selected by the program: those that change the result by more than the tolerance of the audit.
     Auto(AutoWord),
-    /// Those that are named.
+    /// The named effects.
     Table(Box<RawEffects>),
 }
 
-/// The word for it.
+/// The value "auto".
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AutoWord {
@@ -77,7 +77,7 @@ impl Example for RawHeat {
     const EXPECTING: &str = "a table such as { fraction = 0.9 }";
 }
 
-/// When the bar breaks. Only tension breaks it.
+/// Fracture criterion. Only tension causes fracture.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawRupture {
@@ -89,18 +89,18 @@ pub enum RawRupture {
     Spall(Of<Stress, Positive>),
 }
 
-/// Where the law of the strain rate comes from.
+/// Source of the rate-dependent flow law.
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
 pub enum RateChoice {
-    /// From the materials: Johnson-Cook, Zerilli-Armstrong, Cowper-Symonds or Malvern, the first of them that a material states; a
-    /// material that states none does not feel the rate.
+    /// Constants of the materials: the first law of Johnson-Cook, Zerilli-Armstrong, Cowper-Symonds and Malvern for which the material has constants.
+    /// A material without constants is rate-independent.
     Material(MaterialWord),
-    /// From the scene, the same for all segments.
+    /// Law given in the scene, the same for all segments.
     Law(Box<RawRate>),
 }
 
-/// The word for it.
+/// The value "material".
 #[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum MaterialWord {
@@ -116,7 +116,7 @@ impl<'de> Deserialize<'de> for RateChoice {
     }
 }
 
-/// How the yield stress moves with plastic flow.
+/// Hardening rule: dependence of the yield stress on plastic flow.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawHardening {
@@ -135,7 +135,7 @@ pub enum RawHardening {
     ArmstrongFrederick(RawArmstrongFrederick),
 }
 
-/// Constants of a back stress.
+/// Constants of the back stress.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawArmstrongFrederick {

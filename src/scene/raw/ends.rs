@@ -1,4 +1,4 @@
-//! `[left]` and `[right]`: the kinds of ends, and the keys of each.
+//! `[left]` and `[right]`: the kinds of ends, and the keys of each kind.
 
 use std::borrow::Cow;
 
@@ -15,35 +15,35 @@ use crate::input::{Document, GivenKey, Table};
 use crate::typed::{Either, NotNegative, Of, Or, Placed, Plain, Poisson, Positive, Rows, keys_of};
 use crate::units::measures;
 
-/// Declares the kinds. A row: the word, the variant of [`RawEnd`] and its keys, and others in torsion where these differ.
+/// Declares the kinds. Each row contains the word, the variant of [`RawEnd`] and its keys, and the variant and keys in torsion if these differ.
 macro_rules! kinds {
     ($($(#[doc = $doc:literal])* $word:literal: $kind:ident($keys:ident) $(, in torsion $twisted:ident($twisted_keys:ident))?;)*) => {
-        /// The kinds of ends.
+        /// Kind of an end.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
         pub enum EndKind {
             $($(#[doc = $doc])* #[serde(rename = $word)] $kind,)*
         }
 
-        /// An end with the keys of its kind.
+        /// End with the keys of its kind.
         #[derive(Debug)]
         pub enum RawEnd {
             $($kind($keys), $($twisted($twisted_keys),)?)*
         }
 
         impl EndKind {
-            /// As scenes have it.
+            /// Returns the kind as written in scenes.
             pub(in crate::scene) fn word(self) -> &'static str {
                 match self { $(Self::$kind => $word,)* }
             }
 
-            /// Every kind.
+            /// All kinds.
             pub(in crate::scene) const ALL: &[Self] = &[$(Self::$kind,)*];
 
             fn doc(self) -> &'static str {
                 match self { $(Self::$kind => concat!($($doc),*),)* }
             }
 
-            /// The names of its keys, beside `kind`.
+            /// Returns the names of the keys of this kind, except `kind`.
             fn names(self, torsion: bool) -> &'static [&'static str] {
                 match self {
                     $($(Self::$kind if torsion => keys_of::<$twisted_keys>(),)?
@@ -51,7 +51,7 @@ macro_rules! kinds {
                 }
             }
 
-            /// The keys of an end of this kind.
+            /// Reads the keys of an end of this kind.
             fn keys(self, table: Table<'_>, torsion: bool) -> Result<RawEnd> {
                 Ok(match self {
                     $($(Self::$kind if torsion => RawEnd::$twisted(table.read::<$twisted_keys>()?),)?
@@ -101,19 +101,19 @@ kinds! {
     "spring": Spring(Spring);
 }
 
-/// The part of an end that all kinds have.
+/// Key that all kinds of ends have.
 #[derive(Debug, Deserialize)]
 pub struct AnyEnd {
     pub kind: Placed<EndKind>,
 }
 
 impl RawEnd {
-    /// The kind of an end, which is taken out of its table.
+    /// Removes the kind of an end from its table and returns it.
     pub(in crate::scene) fn kind(table: &mut Table<'_>) -> Result<Placed<EndKind>> {
         table.split_off("kind").read::<AnyEnd>().map(|end| end.kind)
     }
 
-    /// The other keys of the end under a key: those of its kind, and no others.
+    /// Reads the remaining keys of an end; keys of other kinds are refused.
     pub(in crate::scene) fn read(
         document: &Document,
         end: &str,
@@ -126,7 +126,7 @@ impl RawEnd {
     }
 }
 
-/// Refuses keys of other kinds, and those of none.
+/// Refuses keys of other kinds, and unknown keys.
 fn only_its_keys(document: &Document, kind: EndKind, end: &str, table: &Table<'_>, torsion: bool) -> Result<()> {
     let own = kind.names(torsion);
     let of_another =
@@ -147,7 +147,7 @@ fn only_its_keys(document: &Document, kind: EndKind, end: &str, table: &Table<'_
     Err(document.error(value, &path, message).allowed(allowed).help(help).into())
 }
 
-/// The keys of a kind, as a schema.
+/// Returns the schema of the keys of a kind.
 fn of_kind<T: JsonSchema>(generator: &mut SchemaGenerator, kind: EndKind, also: &str) -> Schema {
     let mut schema = T::json_schema(generator);
     schema.insert("description".to_owned(), json!(format!("{}{also}", kind.doc().trim())));
@@ -161,12 +161,12 @@ fn of_kind<T: JsonSchema>(generator: &mut SchemaGenerator, kind: EndKind, also: 
     schema
 }
 
-/// An end without keys of its own.
+/// Keys of an end without keys of its own.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NoKeys {}
 
-/// What drives an end, and keys of its own.
+/// Declares an end with a prescribed quantity, and its own keys.
 macro_rules! driven {
     ($name:ident by $measure:ty { $($own:tt)* }) => {
         #[derive(Debug, Deserialize, JsonSchema)]
@@ -189,7 +189,7 @@ macro_rules! driven {
     };
 }
 
-/// What drives an end.
+/// Keys that prescribe the value or history of an end.
 #[derive(Debug)]
 pub struct RawHistory<'a, D> {
     pub value: Option<&'a Of<D>>,

@@ -1,4 +1,4 @@
-//! Files of histories: two columns, or two of the columns that an instrument has recorded.
+//! Files of histories: two columns, or two columns of a record of an instrument.
 
 use std::borrow::Cow;
 use std::fmt::{Display, Formatter};
@@ -11,12 +11,12 @@ use serde_json::json;
 use crate::typed::{Of, Placed, VALUE, text_or_table};
 use crate::units::{Measure, measures};
 
-/// A file with rows [time, value].
+/// File with rows [time, value].
 #[derive(Debug)]
 pub enum HistoryFile<D> {
-    /// Its path: it has these two columns.
+    /// Path of a file with exactly these two columns.
     TwoColumns(String),
-    /// Two of its columns.
+    /// Two columns of a file with any number of columns.
     Record(Box<RawHistoryRecord<D>>),
 }
 
@@ -38,7 +38,7 @@ pub struct RawHistoryRecord<D> {
     pub scale: Option<Of<D>>,
 }
 
-/// The schema of a quantity of the kind that the history has.
+/// Schema of a quantity of the same kind as the history.
 #[derive(JsonSchema)]
 #[schemars(inline, extend("x-value" = "quantity, as `value`"))]
 #[expect(dead_code, reason = "a schema alone")]
@@ -70,13 +70,13 @@ impl<D: Measure> JsonSchema for HistoryFile<D> {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        // The same for every quantity.
+        // The schema does not depend on the quantity.
         let record = generator.subschema_for::<RawHistoryRecord<measures::Stress>>();
         json_schema!({ "anyOf": [{ "type": "string" }, record], VALUE: "string, or table" })
     }
 }
 
-/// A column by its heading or its number, from 1.
+/// Column, given by its heading or its number from 1.
 #[derive(Debug)]
 pub struct Column(String);
 

@@ -1,5 +1,5 @@
-//! The serde mirror of a scene file. Every key is declared once, here: its type has dimension, range and default, from which
-//! reading, messages, schema and reference follow.
+//! Raw keys of a scene file, read by serde. Every key is declared once: its type contains the dimension, range and default, from which reading,
+//! messages, schema and reference are derived.
 
 mod along;
 mod bar;

@@ -1,4 +1,4 @@
-//! `[record]`.
+//! Keys of `[record]`.
 
 use std::collections::BTreeMap;
 
@@ -10,10 +10,10 @@ use crate::record::{Compression, Precision};
 use crate::typed::{Count, NotNegative, Of, Or, Placed, Positive};
 use crate::units::measures::{Length, Time};
 
-/// More frames than this are a slip of the pen.
+/// Largest number of frames; a larger number is assumed to be a mistake.
 pub(in crate::scene) const MOST_FRAMES: usize = 10_000_000;
 
-/// Gauges: name = place from the left end.
+/// Gauges: name and position from the left end.
 pub type Gauges = BTreeMap<String, Of<Length>>;
 
 /// Output. At most one of `frames`, `every` and `times`.

@@ -1,4 +1,4 @@
-//! `[solve]`.
+//! Keys of `[solve]`.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -6,10 +6,10 @@ use serde::Deserialize;
 use crate::typed::{Above, Below, Between, Count, Of, Or, Placed, Plain, Positive};
 use crate::units::measures::Time;
 
-/// Most cells that a run can be asked for: with the frames that wait to be written they take about a gigabyte, and a wave needs as many
-/// steps to pass them.
+/// Largest number of cells of a run. With the frames that wait to be written they need about a gigabyte, and a wave needs as many steps to cross
+/// them.
 pub(in crate::scene) const MOST_CELLS: usize = 10_000_000;
-/// Most events that a run can be asked for: at about 140 bytes each, 56 GB of memory.
+/// Largest number of events of a run: at about 140 bytes each, 56 GB of memory.
 pub const MOST_EVENTS: usize = 400_000_000;
 
 /// Numerical method and end time.
@@ -43,7 +43,7 @@ pub struct RawSolve {
     pub event_budget: Or<Count<1, MOST_EVENTS>, 10_000_000>,
 }
 
-/// The methods.
+/// Methods of the scene language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawMethod {
@@ -53,7 +53,7 @@ pub enum RawMethod {
     Moc,
 }
 
-/// The schemes of the method "fd".
+/// Schemes of the method "fd".
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RawScheme {

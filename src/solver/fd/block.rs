@@ -1,4 +1,4 @@
-//! A block of cells that is advanced as one: small enough for the first-level cache, large enough that selecting its kernel costs
+//! Block of cells that is advanced as a unit: small enough for the first-level cache, and large enough that selecting its kernel costs
 //! nothing.
 
 use std::cell::RefCell;
@@ -19,21 +19,21 @@ use crate::law::{
 };
 use crate::solver::energies::ShockLoss;
 
-/// A cell that flowed on before it unloaded.
+/// Cell that flowed further before it unloaded, see [`super::stopping_flow`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stopped {
     pub cell: usize,
-    /// Stress before and after it flowed on, Pa.
+    /// Stress before and after that flow, Pa.
     pub sigma: [f64; 2],
-    /// E times the plastic strain by which it flowed on, Pa.
+    /// E times the plastic strain of that flow, Pa.
     pub plastic: f64,
-    /// E times the plastic strain that it had afterwards, Pa.
+    /// E times the plastic strain of the cell after it, Pa.
     pub plastic_after: f64,
-    /// The work of flowing on times 2 E per volume, Pa^2.
+    /// Work of that flow times 2 E per volume, Pa^2.
     pub work: f64,
 }
 
-/// Numbers for each cell of a block that is being stepped, of no meaning before and after.
+/// Work arrays for the cells of a block during a step; their contents are meaningless between steps.
 #[derive(Debug)]
 pub(super) struct Scratch {
     work: Aligned<[f64; MOST_CELLS]>,
@@ -48,98 +48,100 @@ impl Scratch {
         Self { work: Aligned(cells), turned: Aligned(cells), gaps: Gaps::new(), stopped: Vec::new() }
     }
 
-    /// Lends that of the thread: it is filled with zeros once, not in every step.
+    /// Runs `steps` with the instance of this thread, which is filled with zeros once, not in every step.
     pub fn lend<T>(steps: impl FnOnce(&mut Self) -> T) -> T {
         thread_local! { static OWN: RefCell<Scratch> = const { RefCell::new(Scratch::new()) }; }
         OWN.with_borrow_mut(|own| steps(own))
     }
 }
 
-/// What is logged of a watched cell.
+/// Quantities logged of a watched cell.
 pub(super) const WATCHED: [Quantity; 4] =
     [Quantity::Stress, Quantity::Strain, Quantity::Velocity, Quantity::Temperature];
 
-/// Steps without flow after which a yielded block is taken to be elastic for a while.
+/// Number of steps without flow after which a yielded block is treated as elastic, until a cell may flow again.
 pub(super) const STEPS_WITHOUT_FLOW: u32 = 16;
 
-/// What a block's cells have met so far; decides which kernel they need.
+/// State of a block's cells; determines the kernel that they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Stage {
-    /// No cell has yielded: the elastic kernel, and no plastic state in memory.
+    /// No cell has yielded: elastic kernel, and no plastic state in memory.
     Elastic,
-    /// The law's own kernel.
+    /// Some cells have yielded: kernel of the law.
     Plastic,
 }
 
-/// Cells with their nodes. Neighbouring blocks hold a copy each of the node between them. What tells whether there is
-/// anything to do comes first, on one line of the cache.
+/// Cells with their nodes. Neighbouring blocks each hold a copy of the node between them. The fields that tell whether there is anything to
+/// compute come first, on one cache line.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(super) struct Block {
-    /// The cells at work, in whole pieces of [`CHUNK`]. A step that leaves the nodes around the others as they are changes
-    /// no bit of these: nothing is computed there until the nodes move.
+    /// Active cells, in whole pieces of [`CHUNK`]. A step changes no bit of the other cells as long as the nodes around them keep their
+    /// velocities, so that nothing is computed there until these change.
     pub active: Range<usize>,
-    /// The step from which on the grid filter acts: oscillations could have come from a place that yielded. A signal takes at
-    /// least a step through a block.
+    /// First step in which the grid filter acts: from then on, oscillations may have arrived from a place that yielded. A signal takes at
+    /// least one step to pass through a block.
     pub damps_from: usize,
     /// Impulses of the grid filter (as velocity differences) in the first and in the last cell.
     pub impulses_at_edges: [f64; 2],
-    /// Velocities of the first and the last inner node before the damping of the latest step, for that of the neighbours.
+    /// Velocities of the first and the last inner node before the damping of the latest step, for the filter of the neighbours.
     inner: [f64; 2],
     pub stage: Stage,
-    /// Waves can be shocks, here or in a neighbour.
+    /// Whether waves can be shocks, here or in a neighbour.
     pub meets_shocks: bool,
-    /// Steps that no cell of the yielded block flowed in; and the stress up to which its cells stay elastic then, Pa, 0 where that is not known.
+    /// Number of steps in which no cell of the yielded block flowed; and the stress up to which its cells are then known to stay elastic,
+    /// Pa, 0 if unknown.
     pub steps_without_flow: u32,
     pub elastic_up_to: f64,
-    /// The waves of a block that is carried as such: stresses and velocities are then those shown last, but for the ones at the edges.
+    /// Waves of a block that is carried as waves. Its stresses and velocities are then those of the latest [`Self::show_waves`], except at
+    /// the edges.
     pub waves: Option<Box<Waves>>,
-    /// The first step in which it may be carried so, again; and the velocities of the nodes at both edges in the step before.
+    /// First step in which the block may (again) be carried as waves; and the velocities of the nodes at both edges in the step before.
     pub travels_from: usize,
     pub latest_edges: [f64; 2],
-    /// Every step computes all cells, by their law once they have yielded: what leaving some out is compared with.
+    /// Whether every step computes all cells, by their law once they have yielded: the reference for skipping some of them.
     #[cfg(test)]
     #[serde(skip)]
     pub always_active: bool,
-    /// The block was at rest when it was last logged.
+    /// Whether the block was at rest when it was last logged.
     logged_at_rest: bool,
-    /// The work of every cell is kept.
+    /// Whether the work of every cell is kept.
     pub keeps_work: bool,
     pub sigma: AlignedRow,
-    /// Node velocities, one more than cells.
+    /// Velocities of the nodes, one more than cells.
     pub v: AlignedRow,
-    /// Law state, empty until the block yields.
+    /// State of the law, empty until the block yields.
     pub state: AlignedRow,
-    /// E times the plastic strain of the latest step, Pa, 0 in cells that did not flow and where the rate of flow is resolved; empty until the block
-    /// yields.
+    /// E times the plastic strain of the latest step, Pa; 0 in cells that did not flow, or whose rate of flow the steps resolve. Empty
+    /// until the block yields.
     pub flow: Vec<f32>,
-    /// How cells have flowed, see [`grid_filter::note_flow`]; empty until the block yields, and where there can be no shocks.
+    /// Flow history of the cells, see [`grid_filter::note_flow`]; empty until the block yields, and if there can be no shocks.
     have_flowed: Vec<i8>,
     pub cells: Range<usize>,
     pub segment: usize,
-    /// Running sum over cells and steps of the plastic work as [`RowLaw::advance`] gives it, times the cells' relative areas.
+    /// Running sum over cells and steps of the plastic work as returned by [`RowLaw::advance`], times the cells' relative areas.
     pub plastic: f64,
-    /// Likewise of [`Row::turned`].
+    /// Likewise, running sum of [`Row::turned`].
     pub turned: f64,
-    /// Running sum of what the damping took from the block's inner nodes, see [`grid_filter::apply_impulses`].
+    /// Running sum of the energy that the filter took from the block's inner nodes, see [`grid_filter::apply_impulses`].
     pub damped: f64,
-    /// What it took in cells inside shocks, over the mass of a mean cell, (m/s)^2.
+    /// Energy that the filter took in cells inside shocks, divided by the mass of a mean cell, (m/s)^2.
     pub shock_loss: ShockLoss,
     /// Largest accumulated plastic strain of a cell so far, times E, Pa.
     pub reached: f64,
-    /// Cells of which every step is logged, and the log: a row for each of them, step by step.
+    /// Cells that are logged in every step, and the log: one row per cell, step by step.
     pub watched: Vec<usize>,
     #[serde(skip)]
     pub log: Vec<[f64; WATCHED.len()]>,
-    /// 2E times the plastic work of every cell per volume, Pa^2; empty until the block yields, and where it is not kept.
+    /// 2E times the plastic work of every cell per volume, Pa^2; empty until the block yields, and if it is not kept.
     pub absorbed: Vec<f64>,
-    /// Cells that came to a limit of what their law knows.
+    /// Cells that have reached a limit of their law's data.
     pub passed: FirstPassed,
-    /// Sections of the cells; none in a uniform segment.
+    /// Areas of the cells; `None` in a uniform segment.
     pub taper: Option<Box<BlockTaper>>,
 }
 
-/// What a block must know of its segment to step.
+/// Data of the segment and the step that a block needs to advance.
 #[derive(Clone, Copy)]
 pub(super) struct BlockLaw<'a> {
     pub law: &'a dyn RowLaw,
@@ -148,12 +150,12 @@ pub(super) struct BlockLaw<'a> {
     /// dt/(rho dx).
     pub velocity_gain: f64,
     pub yield_stress: f64,
-    /// Where the law's data end.
+    /// Where the data of the law end.
     pub end: &'a DataEnd,
     pub filter: &'a Filter,
-    /// Elastic blocks may be carried as waves.
+    /// Whether elastic blocks may be carried as waves.
     pub travels: bool,
-    /// The step that is taken.
+    /// Number of the current step.
     pub step: usize,
 }
 
@@ -196,22 +198,22 @@ impl Block {
         }
     }
 
-    /// None of its cells has yielded.
+    /// Returns true if no cell has yielded.
     pub fn is_elastic(&self) -> bool {
         self.stage != Stage::Plastic
     }
 
-    /// Some of its cells flowed in the latest step.
+    /// Returns true if some cells flowed in the latest step.
     pub fn flows(&self) -> bool {
         self.is_plastic() && self.steps_without_flow == 0
     }
 
-    /// Some of its cells have flowed in the latest steps.
+    /// Returns true if some cells have flowed in the latest steps, fewer than [`STEPS_WITHOUT_FLOW`].
     pub fn flowed_lately(&self) -> bool {
         self.is_plastic() && self.steps_without_flow + 1 < STEPS_WITHOUT_FLOW
     }
 
-    /// A local cell comes to a stress (Pa) elastically.
+    /// Returns true if a local cell reaches a stress (Pa) elastically.
     pub fn carries(&self, law: &SegmentLaw, cell: usize, stress: f64) -> bool {
         if self.state.is_empty() {
             return stress.abs() <= law.yield_stress;
@@ -222,7 +224,7 @@ impl Block {
         work[0] == 0.0
     }
 
-    /// Gives every node its velocity at t = 0, m/s, by the node's number in the bar.
+    /// Sets the velocity of every node at t = 0, m/s, as a function of the node's number in the bar.
     pub fn start_with(&mut self, velocity: impl Fn(usize) -> f64) {
         let nodes = self.cells.start..=self.cells.end;
         self.v.iter_mut().zip(nodes).for_each(|(v, node)| *v = velocity(node));
@@ -230,8 +232,8 @@ impl Block {
         self.wake();
     }
 
-    /// Takes the cells from local cell `at` on (0 < at < cells) away into a block of their own; both keep the node between
-    /// them. Running sums stay here.
+    /// Moves the cells from local cell `at` on (0 < at < cells) into a new block; both blocks keep the node between them. Running sums stay
+    /// in this block.
     pub fn split_off(&mut self, at: usize) -> Self {
         let (cells, state) = (self.sigma.len(), self.split_state(at));
         let v = split_off(&mut self.v, at);
@@ -290,14 +292,14 @@ impl Block {
         state
     }
 
-    /// Takes down where ripples may come from after a step.
+    /// Starts the grid filter with this step if cells have flowed in the latest steps.
     pub fn note_yield(&mut self, step: usize) {
         if self.flowed_lately() {
             self.damps_from = self.damps_from.min(step);
         }
     }
 
-    /// From now on waves can be shocks.
+    /// Marks the block as one in which waves can be shocks.
     pub fn start_meeting_shocks(&mut self, law: &dyn RowLaw) {
         self.meets_shocks = true;
         if self.is_plastic() {
@@ -306,14 +308,14 @@ impl Block {
         }
     }
 
-    /// Takes down the cells at work that came to a limit of what their law knows.
+    /// Records the active cells that have reached a limit of their law's data.
     fn note_limits(&mut self, law: BlockLaw<'_>) {
         let (first, segment, cells) = (self.cells.start + self.active.start, self.segment, self.active.clone());
         let row = StrainedRow { sigma: &self.sigma, state: &self.state, cells, first, segment, step: law.step };
         law.law.note_limits(law.end, &row, &mut self.passed);
     }
 
-    /// Logs the latest rows once more, if the block was at rest then and still is; false where it was not.
+    /// Repeats the latest rows of the log if the block was at rest then and still is; otherwise returns false.
     pub fn repeat_log(&mut self) -> bool {
         let rests = self.at_rest();
         let rested = std::mem::replace(&mut self.logged_at_rest, rests);
@@ -324,8 +326,8 @@ impl Block {
         from.is_some()
     }
 
-    /// Velocity of the first (side 0) or last (side 1) inner node before the damping of the latest step. Where there is
-    /// none it is that of the node at the other edge, which must not have been damped yet. `gain` is dt/(rho dx).
+    /// Returns the velocity of the first (side 0) or last (side 1) inner node before the damping of the latest step, m/s. In a block of one
+    /// cell it is that of the node at the other edge, which must not have been damped yet. `gain` is dt/(rho dx).
     pub fn undamped(&self, side: usize, gain: f64) -> f64 {
         match &self.waves {
             Some(waves) => waves.velocity(if side == 0 { 1 } else { self.sigma.len() - 1 }, gain),
@@ -334,25 +336,25 @@ impl Block {
         }
     }
 
-    /// Stress of local cell `i`, Pa, also while the block is carried as waves.
+    /// Returns the stress of local cell `i`, Pa, also while the block is carried as waves.
     pub fn stress(&self, i: usize) -> f64 {
         self.waves.as_ref().map_or(self.sigma[i], |waves| waves.stress(i))
     }
 
-    /// What the first (side 0) or last (side 1) cell flowed in the latest step, see [`Self::flow`].
+    /// Returns the flow of the first (side 0) or last (side 1) cell in the latest step, see [`Self::flow`].
     pub fn flow_at_edge(&self, side: usize) -> f64 {
         let flow = if side == 0 { self.flow.first() } else { self.flow.last() };
         flow.map_or(0.0, |&flow| f64::from(flow))
     }
 
-    /// Keeps what [`Self::undamped`] gives.
+    /// Stores the velocities that [`Self::undamped`] returns.
     pub fn note_undamped(&mut self) {
         self.inner = [self.v[1], self.v[self.sigma.len() - 1]];
     }
 
-    /// Damps the ripples of the block's inner nodes; `outside` is what is next to it, `outer` are the velocities of the nodes at its two edges at the
-    /// time of the stresses (m/s), which count where waves can be shocks. These nodes belong to the caller, who finds their share in
-    /// `impulses_at_edges`. Returns the impulses of its cells, none where all are 0.
+    /// Applies the grid filter to the block's inner nodes. `outside` describes the neighbours on both sides; `outer` are the velocities
+    /// (m/s) of the nodes at its two edges at the time of the stresses, used only where waves can be shocks. The edge nodes belong to the
+    /// caller, which finds their impulses in `impulses_at_edges`. Returns the impulses of the cells, `None` if all are 0.
     pub fn apply_grid_filter<'a>(
         &mut self,
         law: &SegmentLaw,
@@ -389,7 +391,7 @@ impl Block {
         if gaps.are_smooth(flows, *filter) {
             return None;
         }
-        // Cells at rest hand nothing over: their nodes move alike.
+        // Cells at rest have no impulse: their nodes have equal velocities.
         let impulses = &mut work.0[..cells];
         if !at_left {
             impulses[active.start - 1] = 0.0;
@@ -419,8 +421,8 @@ impl Block {
         Some(impulses)
     }
 
-    /// Velocity of a node at the time of the stresses, m/s: in the middle of its step. Of what the filter has added to it since (`filtered`), half
-    /// counts. `outer` are the velocities of the nodes at both edges.
+    /// Returns the velocity of a node at the time of the stresses, in the middle of its step, m/s. Half of the change that the filter has
+    /// made since (`filtered`) is counted. `outer` are the velocities of the nodes at both edges.
     pub fn velocity_at_stresses(&self, node: usize, gain: f64, outer: [f64; 2], filtered: f64) -> f64 {
         match node {
             0 => outer[0],
@@ -429,7 +431,8 @@ impl Block {
         }
     }
 
-    /// Velocity differences of the cells at work at the time of the stresses, m/s; `outer` are the velocities of the nodes at both edges.
+    /// Computes the velocity differences of the active cells at the time of the stresses, m/s; `outer` are the velocities of the nodes at
+    /// both edges.
     fn mean_differences<'a>(&self, gain: f64, outer: [f64; 2], into: &'a mut [f64]) -> &'a [f64] {
         let (cells, Range { start, end }) = (self.sigma.len(), self.active.clone());
         let velocity = |node: usize| self.velocity_at_stresses(node, gain, outer, 0.0);
@@ -446,8 +449,7 @@ impl Block {
         into
     }
 
-    /// Steps the stresses of a block that is not at rest, then the nodes inside it. The nodes at its two edges belong to the
-    /// caller.
+    /// Advances the stresses of a block that is not at rest, then the nodes inside it. The nodes at its two edges belong to the caller.
     ///
     /// `scratch` stays in the first-level cache from block to block.
     pub fn advance(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
@@ -463,7 +465,7 @@ impl Block {
         self.note_undamped();
     }
 
-    /// Velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
+    /// Returns the velocity change in a step of the node to the left of local cell `i` (0 < i < cells), m/s.
     #[inline]
     pub fn velocity_increment(&self, velocity_gain: f64, i: usize) -> f64 {
         match &self.taper {
@@ -472,17 +474,17 @@ impl Block {
         }
     }
 
-    /// Area of local cell `i` over the mean of the segment.
+    /// Returns the area of local cell `i` divided by the mean area of the segment.
     pub fn area(&self, i: usize) -> f64 {
         self.taper.as_ref().map_or(1.0, |taper| taper.area[i])
     }
 
-    /// Volume of the block over that of a mean cell of the segment.
+    /// Returns the volume of the block divided by that of a mean cell of the segment.
     pub fn volume(&self) -> f64 {
         self.taper.as_ref().map_or(self.sigma.len() as f64, |taper| taper.area.iter().sum())
     }
 
-    /// Steps the stresses of the block alone: its nodes belong to the caller, all of them.
+    /// Advances the stresses of the block only; all its nodes belong to the caller.
     pub fn advance_stresses(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) {
         if self.find_active(law, Signals::ThroughNodes) {
             self.advance_stress(law, scratch);
@@ -500,7 +502,7 @@ impl Block {
             gain: law.stress_gain,
             v: &self.v,
             sigma: &mut self.sigma,
-            // Each cell's own is weighted with its area; in a bar of one area the sum says all.
+            // The work of each cell is needed to weight it with the cell's area; in a uniform segment the sum is sufficient.
             work: (self.keeps_work || self.taper.is_some()).then_some(&mut *work),
             turned: self.taper.is_some().then_some(&mut *turned),
             flow: &mut self.flow,
@@ -532,7 +534,7 @@ impl Block {
         self.look_for_flow(law);
     }
 
-    /// Takes down whether a cell flowed in the latest step, and after some steps without flow up to which stress none will.
+    /// Records whether a cell flowed in the latest step and, after some steps without flow, up to which stress none will.
     fn look_for_flow(&mut self, law: BlockLaw<'_>) {
         if any_flows(&self.flow) {
             self.steps_without_flow = 0;
@@ -546,8 +548,8 @@ impl Block {
         }
     }
 
-    /// Takes the step of a yielded block whose cells are known to stay elastic: what the law would do, bit for bit. False where one may flow,
-    /// and nothing is done.
+    /// Advances a yielded block whose cells are known to stay elastic, with the same bits as the law. Returns false, with unchanged
+    /// stresses, if a cell may flow.
     fn is_elastic_again(&mut self, law: BlockLaw<'_>, scratch: &mut Scratch) -> bool {
         #[cfg(test)]
         if self.always_active {
@@ -567,7 +569,8 @@ impl Block {
         is_elastic
     }
 
-    /// Takes the elastic step. Where the block yields in it, takes it back, gives the block plastic state, and returns false.
+    /// Advances the stresses elastically. If the block yields in the step, takes the step back, allocates the plastic state, and returns
+    /// false.
     fn stays_elastic(&mut self, law: BlockLaw<'_>) -> bool {
         let Range { start, end } = self.active;
         let peak = elastic_row(law.stress_gain, &self.v[start..=end], &mut self.sigma[start..end]);
@@ -583,7 +586,7 @@ impl Block {
         false
     }
 
-    /// Gives the block plastic state, of so many numbers a cell.
+    /// Allocates the plastic state, with this many numbers per cell.
     pub fn start_plastic(&mut self, numbers: usize) {
         let cells = self.sigma.len();
         self.stage = Stage::Plastic;
@@ -591,25 +594,25 @@ impl Block {
         self.flow = vec![0.0; cells];
     }
 
-    /// Cells have yielded.
+    /// Returns true if cells have yielded.
     pub fn is_plastic(&self) -> bool {
         self.stage == Stage::Plastic
     }
 
-    /// E times the signed plastic strain of local cell `i`, Pa.
+    /// Returns E times the signed plastic strain of local cell `i`, Pa.
     pub fn plastic_strain(&self, law: &dyn RowLaw, i: usize) -> f64 {
         if self.stage == Stage::Plastic { law.plastic_strain(&self.state, i) } else { 0.0 }
     }
 
-    /// E times the accumulated plastic strain of local cell `i`, Pa.
+    /// Returns E times the accumulated plastic strain of local cell `i`, Pa.
     pub fn accumulated(&self, law: &dyn RowLaw, i: usize) -> f64 {
         if self.stage == Stage::Plastic { law.accumulated(&self.state, i) } else { 0.0 }
     }
 }
 
-/// Sums over the block, weighted with the relative areas of cells and the masses of nodes (over that of a mean cell).
+/// Sums over the block, weighted with the relative areas of cells and the masses of nodes (divided by that of a mean cell).
 impl Block {
-    /// Of the squared stresses.
+    /// Returns the sum of the squared stresses, Pa^2.
     pub fn sum_of_squares(&self) -> f64 {
         match &self.taper {
             None => self.sigma.iter().map(|s| s * s).sum(),
@@ -617,7 +620,7 @@ impl Block {
         }
     }
 
-    /// Of the work of the overstress, as [`RowLaw::overstress_work`] gives it.
+    /// Returns the sum of the work of the overstress, see [`RowLaw::overstress_work`].
     pub fn overstress_work(&self, law: &dyn RowLaw) -> f64 {
         let Some(taper) = &self.taper else { return law.overstress_work(&self.state) };
         let cells = self.sigma.len();
@@ -625,17 +628,17 @@ impl Block {
         taper.area.iter().enumerate().map(|(i, area)| area * law.overstress_work(&own(i))).sum()
     }
 
-    /// Mass of the node to the left of local cell `i` (0 < i < cells) over the mean mass of a cell of the segment.
+    /// Returns the mass of the node to the left of local cell `i` (0 < i < cells) divided by the mean mass of a cell of the segment.
     pub fn node_mass(&self, i: usize) -> f64 {
         self.taper.as_ref().map_or(1.0, |taper| taper.node_mass(i))
     }
 
-    /// Of the motion of the nodes inside.
+    /// Returns the sums over the nodes inside the block.
     pub fn inner_nodes(&self, velocity_gain: f64) -> NodeMotion {
         self.nodes(|i| self.v[i] - self.velocity_increment(velocity_gain, i))
     }
 
-    /// The same before anything acts on them.
+    /// As [`Self::inner_nodes`], before anything acts on the nodes.
     pub fn inner_nodes_at_start(&self) -> NodeMotion {
         self.nodes(|i| self.v[i])
     }
@@ -650,18 +653,18 @@ impl Block {
     }
 }
 
-/// Sums over nodes, of their velocities half a step before and after the time of the stresses.
+/// Sums over nodes, formed from their velocities half a step before and after the time of the stresses.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct NodeMotion {
-    /// Of the products of both.
+    /// Sum of the products of both velocities.
     pub products: f64,
-    /// Of their sums, and of the squares of these.
+    /// Sum of the sums of both velocities, and sum of the squares of these.
     pub sums: f64,
     pub squares: f64,
 }
 
 impl NodeMotion {
-    /// Of one node.
+    /// Returns the terms of one node.
     #[inline(always)]
     pub fn of(before: f64, after: f64) -> Self {
         let sum = before + after;
@@ -676,7 +679,8 @@ impl NodeMotion {
     }
 }
 
-/// Velocity differences at the time of the stresses of cells with neighbours on both sides; `sigma` has one more on either side.
+/// Computes the velocity differences at the time of the stresses of cells with neighbours on both sides; `sigma` has one more entry on
+/// either side.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn mean_differences_inside(gain: f64, sigma: &[f64], v: &[f64], into: &mut [f64]) {
     let cells = into.len();
@@ -688,7 +692,7 @@ fn mean_differences_inside(gain: f64, sigma: &[f64], v: &[f64], into: &mut [f64]
     }
 }
 
-/// `v[i] += gain (sigma[i] - sigma[i-1])` for these nodes inside a block.
+/// Adds `gain (sigma[i] - sigma[i-1])` to `v[i]` for these nodes inside a block.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn advance_velocity(gain: f64, sigma: &[f64], v: &mut [f64], nodes: Range<usize>) {
     let (sigma, v) = (&sigma[nodes.start - 1..], &mut v[nodes]);
@@ -703,7 +707,7 @@ fn advance_velocity(gain: f64, sigma: &[f64], v: &mut [f64], nodes: Range<usize>
 mod tests {
     use super::*;
 
-    /// The neighbour beyond reads the last inner node of the part that is split off; it read 0.
+    /// The neighbour beyond reads the last inner node of the part that is split off.
     #[test]
     fn both_parts_of_a_split_block_show_their_inner_nodes() {
         let mut left = Block::new(0..300, 0, 0.0);

@@ -4,32 +4,32 @@ use serde::{Deserialize, Serialize};
 
 use crate::law::rupture::{Criteria, Rupture};
 
-/// What is known of a bar that can break.
+/// Fracture criteria of a bar and the fractures so far.
 #[derive(Debug)]
 pub(super) struct Breaking {
     pub criteria: Criteria,
-    /// The first cells at the left and the right end keep too much plastic strain when that end is suddenly moved.
+    /// Whether the first cells at the left and the right end keep too much plastic strain when that end is suddenly moved.
     pub overshoots: [bool; 2],
     pub found: Vec<Rupture>,
-    /// For each rupture: the node's number (that of the cell to its right), and its step.
+    /// For each fracture: number of the node (that of the cell to its right), and step.
     pub nodes: Vec<(usize, usize)>,
     pub ends_gone: [bool; 2],
-    /// The place that went farthest beyond the threshold, while too few cells did to break it, before anything had broken.
+    /// Place that exceeded the threshold by the largest factor while too few cells did so to fracture it, before any fracture.
     pub unresolved: Option<Unresolved>,
 }
 
-/// A tension beyond the threshold that was shorter than a rupture takes on the grid.
+/// Tension above the threshold over fewer cells than a fracture needs on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Unresolved {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// m.
+    /// Position, m.
     pub x: f64,
-    /// How far beyond the threshold, as a factor.
+    /// Ratio of the tension measure to the threshold.
     pub share: f64,
 }
 
-/// Of [`Breaking`], what changes: ruptures, their nodes and steps, and the ends that are gone.
+/// State of [`Breaking`] that changes: fractures, their nodes and steps, the ends that have broken off, and the unresolved tension.
 pub(super) type Broken = (Vec<Rupture>, Vec<(usize, usize)>, [bool; 2], Option<Unresolved>);
 
 impl Breaking {

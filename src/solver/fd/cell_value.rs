@@ -1,11 +1,11 @@
-//! The value of a quantity in a cell of a block.
+//! Value of a quantity in a cell of a block.
 
 use super::block::Block;
 use super::quantity::Quantity;
 use super::segment::Constants;
 use crate::law::RowLaw;
 
-/// A quantity in all cells of a block, into `out`; as [`cell_value`], to the bit.
+/// Computes a quantity in all cells of a block, into `out`, with the same bits as [`cell_value`].
 pub(super) fn block_values(
     quantity: Quantity,
     block: &Block,
@@ -17,7 +17,7 @@ pub(super) fn block_values(
     match quantity {
         Quantity::Stress => out.copy_from_slice(&block.sigma),
         Quantity::Strain if !block.is_plastic() => {
-            // What has no sign has none in the strain, either.
+            // Adding 0 turns a negative zero into a positive one, as the plastic strain of 0 does in [`cell_value`].
             out.iter_mut().zip(&block.sigma[..]).for_each(|(out, sigma)| *out = (sigma + 0.0) / constants.modulus);
         }
         Quantity::Velocity if block.taper.is_none() => {
@@ -38,7 +38,7 @@ pub(super) fn block_values(
     }
 }
 
-/// A quantity in local cell `i` of a block; `outer` are the velocities of its two edge nodes at the time of the stresses.
+/// Returns a quantity in local cell `i` of a block; `outer` are the velocities of its two edge nodes at the time of the stresses, m/s.
 #[inline]
 pub(super) fn cell_value(
     quantity: Quantity,

@@ -1,7 +1,7 @@
-//! Joints that can open, see [`crate::bar::joint`], on the staggered grid: the node at the joint is split in two [`HalfNode`]s.
+//! Joints that can open, see [`crate::bar::joint`], on the staggered grid: the node at the joint is split into two [`HalfNode`]s.
 //!
-//! The force over a step acts on both in halves, as at an end. Faces that meet lose the energy of their relative motion, and get it back
-//! where a wave parts them.
+//! The force over a step acts on both in halves, as at an end. Faces that meet lose the energy of their relative motion, and regain it when
+//! a wave separates them.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,55 +11,55 @@ use crate::bar::SuddenLoad;
 use crate::bar::ends::Response;
 use crate::bar::joint::{self, force_at, free_rate};
 
-/// Into the bar on the left and on the right of a joint, as a sign in x.
+/// Direction into the bar on the left and on the right of a joint, as a sign in x.
 const INWARD: [f64; 2] = [-1.0, 1.0];
 
 /// A joint that can open.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Contact {
-    /// The edge between blocks in whose place it stands, and the segment to its left.
+    /// Edge between blocks that the joint replaces, and segment to its left.
     pub edge: usize,
     pub segment: usize,
-    /// The cell to its right.
+    /// Cell to its right.
     pub cell: usize,
     sides: [HalfNode; 2],
-    /// Both half nodes are the characteristics of their bars where these are elastic.
+    /// Whether both half nodes are the characteristics of their bars where these are elastic.
     are_characteristics: bool,
-    /// Cells beside it have flowed.
+    /// Whether cells beside the joint have flowed.
     have_flowed: bool,
-    /// At the current time and a step ahead of it.
+    /// Contact state at the current time and one step ahead.
     now: joint::Contact,
     ahead: joint::Contact,
-    /// Force between the faces, N, compression positive: less than 0 only in the step in which they break.
+    /// Force between the faces, N, compression positive; negative only in the step in which the bar fractures.
     force: f64,
-    /// Their force on each other over the steps ahead.
+    /// Forces between the faces over the latest steps.
     impulses: Impulses,
-    /// Force up to which both bars are elastic, N.
+    /// Largest force for which both bars are elastic, N.
     limit: f64,
-    /// Taken by the grid filter, J.
+    /// Energy taken by the grid filter, J.
     damped: f64,
 }
 
-/// A joint that can open, as it is at a moment.
+/// State of a joint that can open, at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactState {
-    /// Behind segment `joint`, counted from 0; inside it where the bar broke there.
+    /// Segment to the left of the joint, counted from 0; if the bar fractured inside a segment, that segment.
     pub joint: usize,
-    /// The cell to its right.
+    /// Cell to the right of the joint.
     pub cell: usize,
-    /// Force between the faces, N, <= 0.
+    /// Force between the faces, N, tension positive; > 0 only in the step in which the bar fractures.
     pub force: f64,
-    /// Distance of the faces, m, >= 0.
+    /// Distance between the faces, m, >= 0.
     pub gap: f64,
-    /// What they carried, up to the end of the step ahead.
+    /// Peak force and duration of the contact, up to the end of the step ahead.
     pub pressed: joint::Pressed,
-    /// A force passes in that step.
+    /// Whether the faces press on each other in that step.
     pub presses: bool,
 }
 
 impl Contact {
-    /// Behind `segment`, in place of `edge`, with `cell` to its right. The faces move with `velocities` (m/s); `masses` (kg) are those
-    /// of the cells beside it, `areas` (m^2) their sections, `impedances` (N s/m) those of elastic bars there.
+    /// Creates the joint behind `segment`, in place of `edge`, with `cell` to its right. The faces move with `velocities` (m/s). `masses`
+    /// (kg) and `areas` (m^2) are the masses and sections of the cells beside it, `impedances` (N s/m) the elastic impedances there.
     pub fn new(
         [edge, segment, cell]: [usize; 3],
         contact: joint::Contact,
@@ -85,24 +85,24 @@ impl Contact {
         }
     }
 
-    /// The faces are suddenly loaded like this at t = 0; see [`joint::Contact::load`].
+    /// Loads the faces suddenly at t = 0; see [`joint::Contact::load`].
     pub fn load(&mut self, load: SuddenLoad, force: f64) {
         self.ahead.load(load, force);
     }
 
-    /// See [`HalfNode::start_under`].
+    /// Starts the faces under initial stresses, see [`HalfNode::start_under`].
     pub fn start_under(&mut self, half: [f64; 2]) {
         self.sides.iter_mut().zip(half).for_each(|(side, half)| side.start_under(half));
     }
 
-    /// Forces of the cells beside it, N, compression positive.
+    /// Returns the forces of the cells beside the joint, N, compression positive.
     fn cells(&self, sigma: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| -self.sides[k].area * sigma[k])
     }
 
-    /// The step in which the bar breaks: the tension holds for its first half. Each face then leaves with the velocity of the
-    /// wave that frees it; without that half every second node would run ahead, and the pieces would ring from cell to cell,
-    /// ever louder.
+    /// Advances the step in which the bar fractures: the tension acts for its first half. Each face then leaves with the velocity of the
+    /// release wave. Without that half step, every second node would run ahead, and the pieces would oscillate from cell to cell with
+    /// growing amplitude.
     pub fn part(&mut self, sigma: [f64; 2], dt: f64) {
         let cells = self.cells(sigma);
         self.force = (0.25 * (cells[0] + cells[1])).min(0.0);
@@ -110,8 +110,8 @@ impl Contact {
         self.ahead.widen(dt, self.opening_rate());
     }
 
-    /// Takes the faces from half a step before the current time to half a step after it; `sigma` are the stresses in
-    /// the cells to their left and right, some of which `flow`.
+    /// Advances the faces from half a step before the current time to half a step after it; `sigma` are the stresses of the cells to their
+    /// left and right, Pa, and `flows` tells whether cells there have flowed in the latest steps.
     pub fn advance(&mut self, sigma: [f64; 2], flows: bool, dt: f64) {
         let cells = self.cells(sigma);
         let held = [0, 1].map(|k| Response { force: cells[k], impedance: self.sides[k].impedance });
@@ -133,15 +133,17 @@ impl Contact {
         }
         let before = std::mem::replace(&mut self.force, 0.5 * (force + passed_on));
         self.ahead.lose(0.5 * (before + self.force), closer);
-        // What stops half a cell, more than its bar can carry, is not what the faces carry.
+        // A force that stops half a cell, above what its bar can carry, is not recorded as the force of the faces.
         let stops = touches && (self.force - mean).abs() > self.limit;
-        // Where a bar yields, the force first is that of elastic ones; both cells together have less.
+        // If a bar yields, the force is at first that of elastic bars; the recorded peak is limited to the smaller of the two cells'
+        // forces.
         let most = if flows || self.force > self.limit { cells[0].min(cells[1]) } else { f64::INFINITY };
         self.ahead.note(dt, if stops { mean.max(0.0) } else { self.force }, most);
         self.move_on(cells);
     }
 
-    /// Changes the velocities of the left and the right face before and after the current time (m/s, in +x). Returns the energy that this takes, J.
+    /// Changes the velocities of the left and the right face before and after the current time (m/s, in +x). Returns the energy that this
+    /// takes, J.
     pub fn impose(&mut self, changes: [f64; 2], dt: f64) -> f64 {
         let mut taken = 0.0;
         for side in [0, 1] {
@@ -157,8 +159,8 @@ impl Contact {
         taken
     }
 
-    /// Takes on what the grid filter hands over in the cells on both sides, each as a velocity (m/s) of its own mass: faces that touch move
-    /// together.
+    /// Applies the velocity changes of the grid filter in the cells on both sides, each given as a velocity (m/s) of the cell's own mass;
+    /// faces in contact move together.
     pub fn damp(&mut self, [left, right]: [f64; 2], dt: f64) {
         let mut changes = [-2.0 * left, 2.0 * right];
         if !self.ahead.is_open() {
@@ -168,7 +170,7 @@ impl Contact {
         self.damped -= self.impose(changes, dt);
     }
 
-    /// Energy that the grid filter took from the faces, J.
+    /// Returns the energy that the grid filter took from the faces, J.
     pub fn damped(&self) -> f64 {
         self.damped
     }
@@ -179,39 +181,39 @@ impl Contact {
         }
     }
 
-    /// Rate at which the gap grows half a step after the current time, m/s.
+    /// Returns the rate at which the gap grows half a step after the current time, m/s.
     fn opening_rate(&self) -> f64 {
         self.sides[0].after + self.sides[1].after
     }
 
-    /// Velocities of the left (0) or right (1) face half a step before and after the current time, m/s.
+    /// Returns the velocities of the left (0) or right (1) face half a step before and after the current time, m/s.
     pub fn velocities(&self, side: usize) -> [f64; 2] {
         let HalfNode { before, after, .. } = self.sides[side];
         [INWARD[side] * before, INWARD[side] * after]
     }
 
-    /// Velocity of a face at the current time, m/s.
+    /// Returns the velocity of a face at the current time, m/s.
     pub fn velocity(&self, side: usize) -> f64 {
         let [before, after] = self.velocities(side);
         0.5 * (before + after)
     }
 
-    /// Mass of the left (0) or right (1) half node, kg.
+    /// Returns the mass of the left (0) or right (1) half node, kg.
     pub fn mass(&self, side: usize, dt: f64) -> f64 {
         self.sides[side].impedance * dt
     }
 
-    /// Displacement of the right face against the left one at the current time, m.
+    /// Returns the displacement of the right face relative to the left one at the current time, m.
     pub fn jump(&self) -> f64 {
         self.now.jump()
     }
 
-    /// Lost by faces that met, J.
+    /// Returns the energy lost by faces that met, J.
     pub fn lost(&self) -> f64 {
         self.ahead.lost()
     }
 
-    /// As it is at the current time.
+    /// Returns the state at the current time.
     pub fn state(&self) -> ContactState {
         ContactState {
             joint: self.segment,

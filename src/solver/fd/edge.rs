@@ -1,4 +1,4 @@
-//! The nodes between blocks.
+//! Nodes between blocks.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,29 +8,29 @@ use super::grid_filter;
 use super::segment::{Constants, SegmentLaw};
 use crate::bar::{Bar, joint};
 
-/// The node between two blocks: inside a segment, or at a bonded joint. In the place of a joint that can open it is an
-/// empty one, without mass and unmoved, beside a [`super::contact::Contact`].
+/// Node between two blocks: inside a segment, or at a bonded joint. At a joint that can open, it is an empty placeholder without mass or
+/// motion, and a [`super::contact::Contact`] takes its place.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Edge {
     /// Velocity half a step after the current time, m/s.
     pub after: f64,
-    /// Velocity change that the stresses gave it in the latest step, m/s.
+    /// Velocity change by the stresses in the latest step, m/s.
     pub velocity_increment: f64,
     /// dt A/m of the cells on both sides, m/s per Pa.
     gain_left: f64,
     gain_right: f64,
-    /// Node mass, kg.
+    /// Mass of the node, kg.
     pub mass: f64,
-    /// Masses of the cells on both sides over it.
+    /// Masses of the cells on both sides, divided by the mass of the node.
     cells: [f64; 2],
     /// Energy that the grid filter took from the node, J.
     pub damped: f64,
-    /// The latest step did not change the velocity, nor would another one with the same stresses.
+    /// Whether the latest step left the velocity unchanged, as another step with the same stresses would.
     pub still: bool,
 }
 
 impl Edge {
-    /// The node in whose place there is a contact.
+    /// Placeholder for a node that a contact replaces.
     pub const EMPTY: Self = Self {
         after: 0.0,
         velocity_increment: 0.0,
@@ -42,13 +42,13 @@ impl Edge {
         still: false,
     };
 
-    /// The bar parts here: an empty node is left. What the damping took stays booked.
+    /// Replaces the node by an empty placeholder, where the bar fractures. The energy taken by damping is kept.
     pub fn part(&mut self) {
         *self = Self { damped: self.damped, ..Self::EMPTY };
     }
 
-    /// Takes the node a step on, from the stresses on both sides. Inside a segment it has the bits that a node
-    /// inside a block would have, so that results do not depend on where blocks meet.
+    /// Advances the node by a step, from the stresses (Pa) on both sides. Inside a segment the result has the same bits as that of a node
+    /// inside a block, so that results do not depend on the block boundaries.
     pub fn advance(&mut self, sigma_left: f64, sigma_right: f64) {
         self.velocity_increment = if self.gain_left == self.gain_right {
             self.gain_left * (sigma_right - sigma_left)
@@ -60,8 +60,8 @@ impl Edge {
         self.after = after;
     }
 
-    /// Takes on what the grid filter hands over in the cells on both sides, each an impulse of its own mass; false where
-    /// that is nothing.
+    /// Applies the impulses of the grid filter in the cells on both sides, each given as a velocity (m/s) of the cell's own mass. Returns
+    /// false if the velocity does not change.
     pub fn damp(&mut self, [left, right]: [f64; 2]) -> bool {
         let change = self.cells[1] * right - self.cells[0] * left;
         if change != 0.0 {
@@ -77,18 +77,19 @@ impl Edge {
         -0.5 * self.mass * grid_filter::node(self.velocity_increment, change, &mut self.after)
     }
 
-    /// Velocity half a step before the current time, m/s: that after it without what the stresses gave in between.
+    /// Returns the velocity half a step before the current time, m/s: that after it without the change by the stresses in between.
     pub fn before(&self) -> f64 {
         self.after - self.velocity_increment
     }
 
-    /// Velocity at the time of the stresses, m/s.
+    /// Returns the velocity at the time of the stresses, m/s.
     pub fn velocity(&self) -> f64 {
         self.after - 0.5 * self.velocity_increment
     }
 }
 
-/// The nodes between blocks. At a joint of segments that move differently the node starts with their common momentum.
+/// Creates the nodes between blocks. At a joint of segments with different velocities, the node starts with the velocity of their common
+/// momentum.
 pub(super) fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
     let edge = |pair: &[Block]| {
         let (left, right) = (&constants[pair[0].segment], &constants[pair[1].segment]);
@@ -111,25 +112,25 @@ pub(super) fn edges(blocks: &[Block], constants: &[Constants]) -> Vec<Edge> {
     blocks.windows(2).map(edge).collect()
 }
 
-/// Areas of the cells on both sides of the node between two blocks, over the mean of their segments.
+/// Returns the areas of the cells on both sides of the node between two blocks, divided by the mean areas of their segments.
 fn relative_areas(pair: &[Block]) -> [f64; 2] {
     [pair[0].area(pair[0].sigma.len() - 1), pair[1].area(0)]
 }
 
-/// Masses of these cells, kg.
+/// Returns the masses of the cells on both sides of that node, kg.
 fn cell_masses(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
     let areas = relative_areas(pair);
     [0, 1].map(|k| constants[pair[k].segment].cell_mass * areas[k])
 }
 
-/// Masses (kg), sections (m^2) and elastic impedances (N s/m) of these cells.
+/// Returns the masses (kg), sections (m^2) and elastic impedances (N s/m) of the cells on both sides of that node.
 pub(super) fn beside(pair: &[Block], constants: &[Constants], dt: f64) -> [[f64; 2]; 3] {
     let (relative, masses) = (relative_areas(pair), cell_masses(pair, constants));
     let areas = [0, 1].map(|k| constants[pair[k].segment].area * relative[k]);
     [masses, areas, [0, 1].map(|k| masses[k] * constants[pair[k].segment].courant / dt)]
 }
 
-/// The joints that can open; their edges become empty.
+/// Creates the joints that can open; their edges become empty placeholders.
 pub(super) fn contacts(
     bar: &Bar,
     dt: f64,
@@ -155,7 +156,7 @@ pub(super) fn contacts(
     contacts
 }
 
-/// Stress beside the right edge of a block.
+/// Returns the last value, which is the one beside the right edge if the values are those of a block.
 pub(super) fn last(values: &[f64]) -> f64 {
     values[values.len() - 1]
 }

@@ -1,4 +1,4 @@
-//! An end of the staggered grid: a [`HalfNode`] between the bar and what holds or drives its end, see [`crate::bar::ends`].
+//! End of the staggered grid: a [`HalfNode`] between the bar and what holds or drives its end, see [`crate::bar::ends`].
 
 use serde::{Deserialize, Serialize};
 
@@ -8,117 +8,117 @@ use crate::bar::EndCondition;
 use crate::bar::ends::{self, Body, EndModel, Face, Push, Response, Step};
 use crate::solver::{EndSample, EndState};
 
-/// Rise of the stress over E times the plastic strain of a step up to which a curve counts as level: plastic waves of 0.01 c0.
+/// Ratio of the rise in stress to E times the plastic strain of a step up to which the curve counts as level: plastic waves of 0.01 c0.
 const LEVEL: f64 = 1e-4;
 
-/// An end of the bar and its node.
+/// End of the bar with its node.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EndNode {
     #[serde(skip, default = "ends::stateless")]
     model: Box<dyn EndModel>,
     face: Face,
     node: HalfNode,
-    /// Of half its cell, kg.
+    /// Half the mass of the end cell, kg.
     mass: f64,
     dt: f64,
-    /// Force up to which the bar is elastic, N.
+    /// Largest force for which the bar is elastic, N; infinite if the node moves an effective mass.
     limit: f64,
-    /// Force on the end at the current time, N, with the impulse of a sudden motion.
+    /// Force on the end at the current time, N, compression positive, including the impulse of a sudden motion.
     force: f64,
-    /// The stress for the record, see [`EndNode::stress`].
+    /// Recorded stress, Pa, see [`EndNode::stress`].
     stress: f64,
-    /// Stress of the end cell in the step before and in this one, Pa.
+    /// Stress of the end cell in the previous and in this step, Pa.
     of_cell: [f64; 2],
     impulses: Impulses,
-    /// Mean force over the latest step and over the step ahead, N; not a number before t = 0.
+    /// Mean force over the latest step and over the step ahead, N; NaN before t = 0.
     means: [f64; 2],
-    /// Just after t = 0, as long as that is the current time.
+    /// State just after t = 0, while that is the current time.
     start: Option<EndState>,
-    /// The body at the end and its energy at the current time.
+    /// Body at the end and its energy (J) at the current time.
     body: Option<Body>,
     body_energy: f64,
-    /// A step ahead of the current time, m, into the bar.
+    /// Displacement one step ahead of the current time, m, into the bar.
     displacement: f64,
     /// Work done on the bar up to the current time, and in the step ahead, J.
     work: f64,
     to_give: f64,
-    /// Work of the forces on the node up to the current time, J.
+    /// Work of the end's force on the node up to the current time, J.
     work_on_node: f64,
     impulse: f64,
-    /// Sum of |impulse| of the steps, the scale for the momentum residual.
+    /// Sum of |impulse| over the steps, the scale for the momentum residual.
     throughput: f64,
-    /// For how many steps the velocity has followed from what holds the end, up to [`u8::MAX`].
+    /// Number of consecutive steps in which the end has prescribed the velocity, up to [`u8::MAX`].
     held_for: u8,
-    /// What is at the end resists its motion more than the bar does.
+    /// Whether the end resists motion more than the bar does.
     resists: bool,
-    /// Of the velocity half a step before t = 0, while that is the current time: what the balance of a held end needs and the end has not had, m/s,
-    /// into the bar.
+    /// Part of the velocity half a step before t = 0 that the balance of a held end needs but the end did not have, m/s, into the bar; 0
+    /// after the first step.
     not_moved: f64,
     cells: Cells,
-    /// What the present step takes over, see [`Impulses::choose`].
+    /// Choice of f- in the present step, see [`Impulses::choose`].
     passed_on: PassedOn,
-    /// It was suddenly made to move in the latest step.
+    /// Whether the end was suddenly made to move in the latest step.
     struck: bool,
-    /// Taken by the grid filter, J.
+    /// Energy taken by the grid filter, J.
     damped: f64,
-    /// What the end has given because of the grid filter since the latest step, N s in +x.
+    /// Impulse that the end has given because of the grid filter since the latest step, N s in +x.
     #[serde(skip)]
     given_to_filter: f64,
-    /// Of every step, where they are asked for.
+    /// Samples of every step, if they are logged.
     #[serde(skip)]
     log: Option<Vec<EndSample>>,
 }
 
-/// The cells beside an end.
+/// Flow history of the cells beside an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Cells {
-    /// None has ever flowed.
+    /// No cell has ever flowed.
     Elastic,
-    /// Some flow.
+    /// Some cells have flowed in the latest steps.
     Flowing,
-    /// Some have flowed.
+    /// Some cells have flowed, but none in the latest steps.
     Flowed,
 }
 
-/// What a step makes of an end.
+/// Force and velocity of an end in a step.
 #[derive(Clone, Copy)]
 struct Motion {
-    /// P, N.
+    /// Force P, N, compression positive.
     force: f64,
-    /// u+, m/s.
+    /// Velocity u+ half a step after the current time, m/s, into the bar.
     velocity: f64,
-    /// The end's relation was met.
+    /// Whether the end's relation was met.
     met: bool,
-    /// Its velocity was prescribed.
+    /// Whether the end prescribed the velocity; a body or wall in contact does so, too.
     held: bool,
-    /// What is there resisted its motion more than the bar does.
+    /// Whether the end resisted the motion more than the bar does.
     resists: bool,
 }
 
-/// The grid at an end, as a device needs it.
+/// Grid and material data at an end of the bar.
 #[derive(Debug, Clone, Copy)]
 pub struct EndGrid {
     /// Time step, s.
     pub dt: f64,
     /// Cell size, m.
     pub dx: f64,
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub density: f64,
     /// Elastic impedance rho c0, Pa s/m.
     pub impedance: f64,
-    /// Of the end, m^2.
+    /// Section of the end face, m^2.
     pub area: f64,
-    /// Of the end cell, m^2.
+    /// Section of the end cell, m^2.
     pub cell_area: f64,
-    /// Initial velocity of its node, and of the very end of the bar, m/s.
+    /// Initial velocity of the end node, and of the very end of the bar, m/s.
     pub velocity: f64,
     pub end_velocity: f64,
-    /// Size of the stress up to which the end cell is elastic, Pa.
+    /// Absolute value of the stress up to which the end cell is elastic, Pa.
     pub yield_stress: f64,
 }
 
 impl EndNode {
-    /// The device at an end with outward normal `normal` (-1 left, +1 right).
+    /// Creates the node at an end with the outward normal `normal` (-1 at the left end, +1 at the right end).
     pub fn new(condition: &EndCondition, normal: f64, grid: EndGrid) -> Self {
         let [velocity, at_end] = [grid.velocity, grid.end_velocity].map(|velocity| -normal * velocity);
         let face = Face { inward: -normal, area: grid.area, impedance: grid.impedance * grid.area, velocity: at_end };
@@ -156,32 +156,32 @@ impl EndNode {
         }
     }
 
-    /// All that changes from step to step.
+    /// Returns everything that changes from step to step.
     pub(super) fn state(&self) -> (&Self, [f64; 2]) {
         (self, self.model.state())
     }
 
-    /// Takes over what [`Self::state`] gave.
+    /// Restores what [`Self::state`] returned.
     pub(super) fn restore(&mut self, (saved, state): (Self, [f64; 2])) {
         let before = std::mem::replace(self, saved);
         (self.model, self.log) = (before.model, before.log);
         self.model.restore(state);
     }
 
-    /// The node's velocity at t = 0, m/s, where nothing holds it.
+    /// Sets the node's velocity at t = 0, m/s in +x, if nothing holds the node.
     pub(super) fn start_with(&mut self, velocity: f64) {
         let velocity = self.face.inward * velocity;
         (self.node.before, self.node.after) = (velocity, velocity);
         self.displacement = self.dt * velocity;
     }
 
-    /// The node's velocity half a step before t = 0, m/s.
+    /// Sets the node's velocity half a step before t = 0, m/s in +x.
     pub(super) fn start_before(&mut self, velocity: f64) {
         let velocity = self.face.inward * velocity;
         (self.node.before, self.node.after) = (velocity, velocity);
     }
 
-    /// See [`HalfNode::start_under`].
+    /// Starts the node under an initial stress, see [`HalfNode::start_under`].
     pub(super) fn start_under(&mut self, half: f64) {
         let before = self.node.before;
         self.node.start_under(half);
@@ -191,15 +191,15 @@ impl EndNode {
         }
     }
 
-    /// Takes the node from half a step before `time` to half a step after it. `sigma_cell` is the stress at `time`
-    /// in the end cell, beside which some `flow`.
+    /// Advances the node from half a step before `time` to half a step after it. `sigma_cell` is the stress of the end cell at `time`, Pa;
+    /// `flows` tells whether cells beside the end have flowed in the latest steps.
     pub fn advance(&mut self, time: f64, sigma_cell: f64, flows: bool) {
         let cell = -self.node.area * sigma_cell;
         self.prepare(cell, flows);
         self.advance_showing(time, cell, sigma_cell);
     }
 
-    /// Settles what a step under the force `cell` (N) takes over from the one before, whatever the force turns out to be.
+    /// Chooses f- of a step (see [`Impulses::choose`]) for a cell force of about `cell` (N); the choice holds whatever the final force is.
     fn prepare(&mut self, cell: f64, flows: bool) {
         self.cells = match self.cells {
             _ if flows => Cells::Flowing,
@@ -209,16 +209,17 @@ impl EndNode {
         self.passed_on = self.impulses.choose(cell, self.is_bounded());
     }
 
-    /// The same under the force `cell` (N) of the end cell; `shown` is its stress for the record.
+    /// Advances the node under the force `cell` (N) of the end cell; `shown` is the stress of that cell for the record, Pa.
     fn advance_showing(&mut self, time: f64, cell: f64, shown: f64) {
         self.of_cell = [self.of_cell[1], shown];
         let (step, previous) = (self.step(time), self.force);
         let Motion { force, velocity, met, held, resists } = self.respond(&step, cell);
-        // More than the bar can carry on half a cell: it is stopped, perhaps over two steps. Sideways motion takes an impulse in both.
+        // A force that differs from the cell's by more than the bar can carry stops half a cell, possibly over two steps. Lateral inertia
+        // takes up an impulse in both.
         let stopped = (force - cell).abs() > self.limit
             || self.limit.is_infinite() && self.held_for == 1 && !self.means[0].is_nan();
         self.struck = held && (self.held_for == 0 || stopped || self.model.jumps(time, self.dt));
-        // A force that the end gave before, as none where it was free, is known; else its cell tells what it carried.
+        // The stress before is known if the end prescribed the force (0 if it was free); otherwise the end cell's stress is used.
         let before = if self.held_for > 0 || self.means[1].is_nan() { shown } else { -self.means[1] / self.face.area };
         self.stress = if self.struck { before } else { -force / self.face.area };
         if self.model.gap(self.displacement).is_some() {
@@ -227,7 +228,8 @@ impl EndNode {
         let ahead = 2.0 * force - self.impulses.passed_on(cell, self.passed_on);
         self.means = [self.means[1], ahead];
         (self.start, self.not_moved, self.given_to_filter) = (None, 0.0, 0.0);
-        // Once cells have flowed, waves of a cell's length run to and fro before them, and would open contacts in every second step.
+        // Once cells have flowed, waves one cell long run back and forth between these cells and the end. They would open contacts in every
+        // second step; `push` damps them.
         let impulse = self.dt
             * if self.is_characteristic() && self.cells == Cells::Elastic {
                 self.impulses.take(ahead, cell)
@@ -249,31 +251,32 @@ impl EndNode {
         Step { time, dt: self.dt, displacement: self.displacement }
     }
 
-    /// The end moves this mass, kg, in place of half its cell's.
+    /// Sets the effective mass that the end moves, kg, in place of half the mass of its cell.
     pub(super) fn set_mass(&mut self, mass: f64) {
-        // The force of the bar holds more than the stress of a cell then.
+        // The force of the bar then contains more than the stress of a cell.
         self.limit = f64::INFINITY;
         self.node.impedance = mass / self.dt;
     }
 
-    /// Settles what a step takes over from the one before where the bar gives about the impulse `pull`, N s in +x. So the answer to a
-    /// pull that is looked for does not jump.
+    /// Chooses f- of a step (see [`Impulses::choose`]) if the bar gives an impulse of about `pull`, N s in +x. The choice is made
+    /// beforehand so that [`Self::answer`] is a continuous function of the impulse.
     pub(super) fn prepare_for(&mut self, pull: f64, flows: bool) {
         self.prepare(-self.face.inward * pull / self.dt, flows);
     }
 
-    /// Velocity change of the step around `time` if the bar gives that mass an impulse of `pull`, N s in +x.
+    /// Returns the velocity change (m/s, in +x) of the step around `time` if the bar gives the effective mass an impulse of `pull`, N s in
+    /// +x.
     pub(super) fn answer(&self, time: f64, pull: f64) -> f64 {
         let motion = self.respond(&self.step(time), -self.face.inward * pull / self.dt);
         self.face.inward * (motion.velocity - self.node.after)
     }
 
-    /// Takes that step. `sigma_cell` is the stress of the end cell, for the record.
+    /// Advances the node by that step. `sigma_cell` is the stress of the end cell for the record, Pa.
     pub(super) fn advance_by(&mut self, time: f64, pull: f64, sigma_cell: f64) {
         self.advance_showing(time, -self.face.inward * pull / self.dt, sigma_cell);
     }
 
-    /// Force and velocity of a step under the force `cell` (N) of the end cell.
+    /// Returns the force and the velocity of a step under the force `cell` (N) of the end cell.
     fn respond(&self, step: &Step, cell: f64) -> Motion {
         let passed_on = self.impulses.passed_on(cell, self.passed_on);
         let bar = self.node.response(cell, passed_on);
@@ -291,36 +294,36 @@ impl EndNode {
         Motion { force, velocity, met, held, resists }
     }
 
-    /// Friction brings the node to rest in the step that was taken: to the last bit.
+    /// Brings the node exactly to rest in the step that was taken, by friction.
     pub(super) fn stop(&mut self) {
         self.displacement -= self.dt * self.node.after;
         self.node.after = 0.0;
     }
 
-    /// Energy of the body at the end at the current time, J: of motion for a striker, stored for a spring, both for a ball; 0
-    /// without one.
+    /// Returns the energy of the body at the end at the current time, J: the kinetic energy of a striker, the stored energy of a spring,
+    /// both for a ball; 0 without a body.
     pub fn body_energy(&self) -> f64 {
         self.body_energy
     }
 
-    /// The striker's or ball's velocity (m/s) and its distance from the end (m; for a ball that touches it, less than 0: the
-    /// approach) at the current time. None without one.
+    /// Returns the velocity (m/s, in +x) of the striker or ball and its distance from the end (m; negative for a ball in contact: the
+    /// approach) at the current time. `None` if there is neither.
     pub fn striker(&self) -> Option<(f64, f64)> {
         self.body.map(|body| (self.face.inward * body.velocity, body.gap))
     }
 
-    /// True where the end pulls the bar.
+    /// Returns true if the end pulls the bar.
     pub(super) fn pulls(&self) -> bool {
         self.force < 0.0
     }
 
-    /// The bar breaks off what is at its end, which is free from the next step on.
+    /// Fractures the bar at its end, which is free from the next step on.
     pub(super) fn let_go(&mut self) {
         self.model = ends::model(&EndCondition::Free, self.face);
     }
 
-    /// The grid filter changes the node's velocity (m/s, in +x); where that is prescribed just now the end takes the impulse. `sigma_cell` is
-    /// the stress of the end cell.
+    /// Changes the node's velocity by the grid filter (m/s, in +x); if the velocity is prescribed in this step, the end takes the impulse
+    /// instead. `sigma_cell` is the stress of the end cell, Pa.
     pub(super) fn damp(&mut self, change: f64, sigma_cell: f64) {
         if change == 0.0 {
             return;
@@ -339,13 +342,13 @@ impl EndNode {
         self.displacement += self.dt * change;
     }
 
-    /// Mass of the node, kg.
+    /// Returns the mass of the node, kg.
     pub(super) fn mass(&self) -> f64 {
         self.mass
     }
 
-    /// Changes the velocities before and after the current time by `change` (m/s, in +x), with an impulse that [`Self::give`] books.
-    /// Returns the energy that this takes, J.
+    /// Changes the velocities before and after the current time by `change` (m/s, in +x); [`Self::give`] accounts for the impulse. Returns
+    /// the energy that this takes, J.
     pub(super) fn impose(&mut self, change: f64) -> f64 {
         let change = self.face.inward * change;
         let velocity_increment = self.node.after - self.node.before;
@@ -354,8 +357,9 @@ impl EndNode {
         -0.5 * self.mass * grid_filter::node(velocity_increment, change, &mut self.node.after)
     }
 
-    /// The bar beyond the node gets this impulse (N s in +x) from the end in the present step, where the end moves with `velocity` (m/s). A body
-    /// gives it of its own motion, and takes the node with it. Returns the work on the bar and what of it the node took, J.
+    /// Gives the bar beyond the node an impulse (N s in +x) from the end in the present step, in which the end moves with `velocity` (m/s).
+    /// A body gives it from its own momentum, and takes the node with it. Returns the work on the bar and the part of it that the node
+    /// gained, J.
     pub(super) fn give(&mut self, impulse: f64, velocity: f64) -> [f64; 2] {
         let before = self.model.energy(self.displacement);
         let change = self.face.inward * self.model.give(self.dt, self.face.inward * impulse, self.mass);
@@ -368,23 +372,23 @@ impl EndNode {
         [work, taken]
     }
 
-    /// The end has given the bar this impulse (N s in +x), too.
+    /// Records an additional impulse (N s in +x) that the end has given to the bar.
     pub(super) fn book_impulse(&mut self, impulse: f64) {
         self.impulse += impulse;
         self.throughput += impulse.abs();
     }
 
-    /// A body is at the end.
+    /// Returns whether there is a body at the end.
     pub(super) fn has_body(&self) -> bool {
         self.model.body().is_some()
     }
 
-    /// What the end has given because of the grid filter since the latest step, N s in +x.
+    /// Returns the impulse that the end has given because of the grid filter since the latest step, N s in +x.
     pub(super) fn given_to_filter(&self) -> f64 {
         self.given_to_filter
     }
 
-    /// At t = 0: in the step ahead the end moves with this velocity (m/s, in +x), which its own force gives it.
+    /// Makes the end move with this velocity (m/s, in +x) in the step ahead, driven by its own force. For t = 0.
     pub(super) fn start_moving(&mut self, velocity: f64) {
         let change = self.face.inward * velocity - self.node.after;
         let more = self.node.impedance * change;
@@ -400,7 +404,7 @@ impl EndNode {
         self.work_on_node += impulse * self.node.before;
     }
 
-    /// The end moves faster by this in the step ahead, m/s, into the bar: a spring or a ball gives that work.
+    /// Makes the end move faster by `change` (m/s, into the bar) in the step ahead; a spring or a ball supplies the work.
     fn shift(&mut self, change: f64) {
         self.by_store(|end| {
             end.displacement += end.dt * change;
@@ -408,7 +412,7 @@ impl EndNode {
         });
     }
 
-    /// What the end stores gives the energy of this.
+    /// Runs `act`, and counts the energy that it takes from what the end stores as work of the step ahead.
     fn by_store(&mut self, act: impl FnOnce(&mut Self)) {
         let before = self.model.energy(self.displacement);
         act(self);
@@ -417,47 +421,48 @@ impl EndNode {
         }
     }
 
-    /// Its force is known, however the bar moves.
+    /// Returns whether the force of the end is known, however the bar moves.
     pub(super) fn imposes_force(&self) -> bool {
         self.model.relation(&self.step(0.0), &self.node.response(0.0, 0.0)).of_velocity == 0.0
     }
 
-    /// The mean stress at the face over the step ahead is this, Pa: what the next step takes over.
+    /// Sets the mean stress at the face over the step ahead, Pa, from which the next step takes f-.
     pub(super) fn carry(&mut self, stress: f64) {
         self.impulses.correct(-self.face.area * stress);
     }
 
-    /// The record shows this stress, Pa, at the current time.
+    /// Sets the recorded stress at the current time, Pa.
     pub(super) fn show(&mut self, stress: f64) {
         self.stress = stress;
     }
 
-    /// Mean stress on the end over the step ahead, Pa.
+    /// Returns the mean stress on the end over the step ahead, Pa.
     pub(super) fn stress_ahead(&self) -> f64 {
         -self.means[1] / self.face.area
     }
 
-    /// Mean velocity (m/s) of the node over the step ahead, with the body at the end where there is one.
+    /// Returns the mean velocity (m/s, in +x) over the step ahead of the body at the end; that of the node if there is no body.
     pub(super) fn velocity_of_body(&self) -> f64 {
         let gap = self.model.body().map_or(0.0, |body| body.gap);
         self.face.inward * (self.node.after - gap / self.dt)
     }
 
-    /// Velocity (m/s, in +x) at which the bar loses an impulse of the grid filter that changes the node's by `change` (m/s, in +x), see
-    /// [`Self::damp`].
+    /// Returns the velocity (m/s, in +x) which, times an impulse of the grid filter, is the energy that the bar loses by it, see
+    /// [`Self::damp`]. The impulse changes the node's velocity by `change` (m/s, in +x).
     pub(super) fn velocity_damped(&self, change: f64, sigma_cell: f64) -> f64 {
         let from_stress = self.face.inward * self.velocity_increment(sigma_cell);
         self.velocity_after() + if self.is_held() { 0.0 } else { 0.5 * (change - from_stress) }
     }
 
-    /// Velocity change of the node in the latest step, into the bar, m/s.
+    /// Returns the velocity change of the node in the latest step, m/s, into the bar.
     fn velocity_increment(&self, sigma_cell: f64) -> f64 {
         (self.force + self.node.area * sigma_cell) / self.node.impedance
     }
 
-    /// Size of the velocity difference (m/s) of the end cell, which flowed by `flow` (E times the plastic strain of the latest step, Pa), that the force on
-    /// the end supports. In a wave that leaves the end the stress falls by rho c w/2 over half the cell, c being the speed of the cell's tangent. None
-    /// where the end does not load the cell, and on a level part of the curve, which carries no wave.
+    /// Returns the size of the velocity difference (m/s) of the end cell that the force on the end supports. `flow` is E times the plastic
+    /// strain of the end cell in the latest step, Pa. In a wave that leaves the end, the stress falls by rho c w/2 over half the cell,
+    /// where w is the velocity difference and c the wave speed of the cell's tangent modulus. Returns `None` if the end does not load the
+    /// cell, and on a level part of the curve, which carries no wave.
     pub(super) fn supported_by_load(&self, flow: f64) -> Option<f64> {
         let sense = 1.0_f64.copysign(flow);
         let ([before, now], stress) = (self.of_cell, -self.force / self.face.area);
@@ -474,24 +479,24 @@ impl EndNode {
         Some(if fall > 0.0 { 2.0 * fall / impedance * slowness } else { 0.0 })
     }
 
-    /// Energy that the grid filter took from the node, J.
+    /// Returns the energy that the grid filter took from the node, J.
     pub(super) fn damped(&self) -> f64 {
         self.damped
     }
 
-    /// Keeps a log from now on.
+    /// Starts a log.
     pub(super) fn watch(&mut self) {
         self.log.get_or_insert_default();
     }
 
-    /// Adds the current state to the log.
+    /// Appends the current state to the log.
     pub(super) fn note(&mut self, is_elastic: bool) {
         let now = self.sample(is_elastic);
         self.log.iter_mut().for_each(|log| log.push(now));
     }
 
-    /// The end after the latest step, in which the bar beside it was elastic or not. The mean over the step is the elastic one where the
-    /// half node is the characteristic.
+    /// Returns the state of the end after the latest step; `is_elastic` tells whether the bar beside it was elastic in that step. The mean
+    /// state over the step is known if the bar was elastic and the half node is the characteristic.
     pub(super) fn sample(&self, is_elastic: bool) -> EndSample {
         let [mean, _] = self.means;
         let latest = if is_elastic && mean.abs() <= self.limit && self.is_characteristic() {
@@ -502,17 +507,17 @@ impl EndNode {
         EndSample { now: self.start.unwrap_or_else(|| self.reading()), latest }
     }
 
-    /// It stops the node at once with a force that cells may not be able to carry.
+    /// Returns whether the end stops the node at once with a force that the cells may not be able to carry.
     fn is_bounded(&self) -> bool {
         self.resists && (self.cells == Cells::Flowing || !self.is_characteristic())
     }
 
-    /// At Courant number 1 the half node answers as an elastic bar does.
+    /// Returns whether the half node responds as an elastic bar does: at Courant number 1.
     pub(super) fn is_characteristic(&self) -> bool {
         self.node.is_characteristic(self.face.impedance)
     }
 
-    /// The state just after t = 0 at an end of this kind, where the bar answers elastically and has the stress `stress` (Pa) before.
+    /// Returns the state just after t = 0 under this end condition, if the bar responds elastically from the stress `stress` (Pa).
     pub(super) fn at_once(&self, condition: &EndCondition, stress: f64) -> EndState {
         let impedance = self.face.impedance;
         let force = -self.face.area * stress - impedance * self.face.velocity;
@@ -521,29 +526,30 @@ impl EndNode {
         EndState { stress: -force / self.face.area, velocity: self.face.inward * velocity }
     }
 
-    /// The state just after t = 0.
+    /// Sets the state just after t = 0.
     pub(super) fn start_in(&mut self, state: EndState) {
         self.start = Some(state);
     }
 
-    /// The log; empty where none is kept.
+    /// Returns the log; empty if none is kept.
     pub(super) fn log(&self) -> &[EndSample] {
         self.log.as_deref().unwrap_or_default()
     }
 
-    /// Starts the log anew.
+    /// Clears the log.
     pub(super) fn clear_log(&mut self) {
         self.log.iter_mut().for_each(Vec::clear);
     }
 
-    /// True where the end's velocity follows from what is there rather than from the stress, or its place matters: it takes the impulses of the
-    /// grid filter. (The node of a stiff dashpot would answer them by as much the other way, step by step, for as long as the bar flows.)
+    /// Returns true if the end's velocity follows from the end condition rather than from the stress, or if the end's position matters: the
+    /// end then takes the impulses of the grid filter. (The node of a stiff dashpot would respond to each with an impulse of the same size
+    /// in the opposite direction, in every step in which the bar flows.)
     pub(super) fn is_held(&self) -> bool {
         self.resists || self.model.follows_place()
     }
 
-    /// Impulse and work by the trapezoidal rule in the end's force: the form in which the staggered scheme balances
-    /// momentum and energy to round-off. The first half step starts from the initial velocity.
+    /// Records impulse and work by the trapezoidal rule in the end's force, the form in which the staggered scheme balances momentum and
+    /// energy to round-off. The first half step starts from the initial velocity.
     fn account(&mut self, previous: f64) {
         let half = 0.5 * self.dt;
         let is_first = self.means[0].is_nan();
@@ -553,60 +559,61 @@ impl EndNode {
         self.work_on_node += impulse * self.node.before;
     }
 
-    /// Velocity half a step after the current time, m/s.
+    /// Returns the velocity half a step after the current time, m/s.
     pub fn velocity_after(&self) -> f64 {
         self.face.inward * self.node.after
     }
 
-    /// Velocity half a step before the current time, m/s.
+    /// Returns the velocity half a step before the current time, m/s.
     pub fn velocity_before(&self) -> f64 {
         self.face.inward * self.node.before
     }
 
-    /// Stress and velocity at the current time.
+    /// Returns stress and velocity at the current time.
     pub fn reading(&self) -> EndState {
         EndState { stress: self.stress(), velocity: self.velocity() }
     }
 
-    /// Velocity at the current time, m/s. Where the end is suddenly made to move it is that before the jump.
+    /// Returns the velocity at the current time, m/s. If the end is suddenly made to move, it is the velocity before the jump.
     pub fn velocity(&self) -> f64 {
         let before = self.velocity_before() - self.face.inward * self.not_moved;
         if self.struck { before } else { 0.5 * (before + self.velocity_after()) }
     }
 
-    /// Stress at the end at the current time, Pa. Where the end is suddenly made to move it is that before the jump, without the impulse
-    /// that the half cell's mass takes up: that of the end cell where the end was held before, too.
+    /// Returns the stress at the end at the current time, Pa. If the end is suddenly made to move, it is the stress before the jump,
+    /// without the impulse that accelerates half a cell; if the end was held before, too, it is the stress of the end cell.
     pub fn stress(&self) -> f64 {
         self.stress
     }
 
-    /// Displacement at the current time, m.
+    /// Returns the displacement at the current time, m.
     pub fn displacement(&self) -> f64 {
         self.face.inward * (self.displacement - self.dt * self.node.after)
     }
 
-    /// Displacement after the step ahead, m.
+    /// Returns the displacement after the step ahead, m.
     pub(super) fn displacement_ahead(&self) -> f64 {
         self.face.inward * self.displacement
     }
 
-    /// Work done on the bar so far, J: what a body at the end lost, else force times displacement over the steps.
+    /// Returns the work done on the bar so far, J: the energy lost by a body at the end, or else force times displacement summed over the
+    /// steps.
     pub fn work(&self) -> f64 {
         self.work
     }
 
-    /// What of it is not in the node's motion and the bar, J: forces over the steps act on the node in halves. At a sudden change of the
-    /// velocity by w it is some m w^2, of first order in the cell size, of either sign.
+    /// Returns the part of that work which is neither in the node's motion nor in the bar, J: the force of a step acts on the node in
+    /// halves. At a sudden velocity change w it is about m w^2, of first order in the cell size, of either sign.
     pub fn in_transit(&self) -> f64 {
         self.work - self.work_on_node
     }
 
-    /// Impulse given to the bar so far, N s, positive in +x.
+    /// Returns the impulse given to the bar so far, N s, positive in +x.
     pub fn impulse(&self) -> f64 {
         self.impulse
     }
 
-    /// Sum of the sizes of all impulses so far, N s.
+    /// Returns the sum of the absolute values of all impulses so far, N s.
     pub fn throughput(&self) -> f64 {
         self.throughput
     }

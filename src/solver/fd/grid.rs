@@ -1,4 +1,4 @@
-//! The staggered grid of a bar: stresses in cells, velocities at the nodes between them.
+//! Staggered grid of a bar: stresses in cells, velocities at the nodes between them.
 
 use std::ops::Range;
 
@@ -7,41 +7,42 @@ use serde::{Deserialize, Serialize};
 use super::sharing::share_out;
 use crate::bar::{Bar, Segment};
 
-/// Transit times of cells that differ by this part of them at most are equal but for the rounding of numbers.
+/// Relative difference of the transit times of cells up to which they count as equal.
 const ROUND_OFF: f64 = 1e-14;
 
-/// Part of a place within which it is that of a joint, which is a sum of lengths.
+/// Relative tolerance of a position at a joint, which is a sum of lengths.
 const SAME_PLACE: f64 = 1e-9;
 
-/// One segment's part of the grid.
+/// Part of the grid on one segment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SegmentGrid {
-    /// Its cells, counted over the whole bar.
+    /// Cells of the segment, counted over the whole bar.
     pub cells: Range<usize>,
-    /// Place of its left end, m.
+    /// Position of the left end of the segment, m.
     pub x0: f64,
-    /// Distance between the centres of its cells, m.
+    /// Distance between the centres of the cells, m.
     pub spacing: f64,
     /// Cell size with which the scheme computes, m: the spacing, or nearly so in [`Grid::in_whole_steps`].
     pub dx: f64,
 }
 
 impl SegmentGrid {
-    /// A cell, m from the segment's left end.
+    /// Returns the left and right edge of a cell, m from the segment's left end.
     pub fn cell(&self, cell: usize) -> [f64; 2] {
         let i = cell - self.cells.start;
         [self.spacing * i as f64, self.spacing * (i + 1) as f64]
     }
 
-    /// The half cells on both sides of a node that are in the segment, m from its left end.
+    /// Returns the range of the half cells on both sides of a node that are in the segment, m from its left end.
     pub fn beside(&self, node: usize) -> [f64; 2] {
         let (i, count) = ((node - self.cells.start) as f64, self.cells.len() as f64);
         [(i - 0.5).max(0.0), (i + 0.5).min(count)].map(|i| self.spacing * i)
     }
 
-    /// Velocity (m/s) of a node of a segment half a step after t = 0, without what initial stresses give it: that of its cells' common
-    /// momentum. At Courant number 1 this is the elastic solution at that time, (v(x - c dt/2) + v(x + c dt/2))/2 of the cells' mean
-    /// velocities v. What alternates from node to node vanishes; the grid would let it grow with every step.
+    /// Returns the velocity (m/s) of a node of a segment half a step after t = 0, without the effect of initial stresses: that of the
+    /// common momentum of its cells. At Courant number 1 this is the elastic solution at that time, (v(x - c dt/2) + v(x + c dt/2))/2 with
+    /// the cells' mean velocities v. A velocity that alternates from node to node vanishes in it; the grid would let it grow with every
+    /// step.
     pub(super) fn initial_velocity(&self, segment: &Segment, node: usize) -> f64 {
         let (mut mass, mut momentum) = (0.0, 0.0);
         for cell in node.saturating_sub(1).max(self.cells.start)..=node.min(self.cells.end - 1) {
@@ -54,8 +55,8 @@ impl SegmentGrid {
     }
 }
 
-/// The grid of a bar. Cells are shared out so that the fastest wave takes as nearly as possible the same time
-/// across each of them, whatever its material.
+/// Grid of a bar. The cells are distributed so that the fastest wave takes as nearly as possible the same time to cross each of them,
+/// whatever its material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
     /// Segments from left to right.
@@ -65,19 +66,19 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Shares about `cells` cells out over the bar, see `sharing`; the time step is `cfl` times the shortest transit of a cell, 0 < cfl <= 1: no
-    /// explicit scheme is stable above.
+    /// Distributes about `cells` cells over the bar, see `sharing`. The time step is `cfl` times the shortest transit time of a cell,
+    /// 0 < cfl <= 1: no explicit scheme is stable above.
     ///
     /// # Panics
-    /// With another Courant number.
+    /// If `cfl` is out of this range.
     pub fn new(bar: &Bar, cells: usize, cfl: f64) -> Self {
         Self::with_counts(bar, &share_out(&bar.transit_times(), cells), cfl)
     }
 
-    /// With these numbers of cells of the segments; the time step likewise.
+    /// Creates the grid with these numbers of cells of the segments, with the time step of [`Grid::new`].
     ///
     /// # Panics
-    /// Likewise.
+    /// If `cfl` is not in 0 < cfl <= 1.
     pub fn with_counts(bar: &Bar, counts: &[usize], cfl: f64) -> Self {
         assert!(cfl > 0.0 && cfl <= 1.0, "the Courant number is {cfl}; 0 < cfl <= 1");
         let mut segments = Vec::with_capacity(bar.segments.len());
@@ -92,9 +93,10 @@ impl Grid {
         Self { segments, dt }
     }
 
-    /// The same cells, which elastic waves cross in just one time step where their transit time exceeds the shortest one by no more than this part of
-    /// it: the transit times are rounded, as much up as down where it is those of all segments. The scheme computes with segments that are so much
-    /// longer or shorter; their impedance, their cross-section and the places stay as they are. For a grid of Courant number 1.
+    /// Returns the same cells, which elastic waves cross in exactly one time step if their transit time exceeds the shortest one by at most
+    /// the fraction `most`. The transit times are rounded, and up as much as down if this is so for all segments. The scheme computes with
+    /// segments that are correspondingly longer or shorter; their impedance, cross-section and positions are unchanged. For a grid of
+    /// Courant number 1.
     #[must_use]
     pub fn in_whole_steps(&self, bar: &Bar, most: f64) -> Self {
         let transit = |(part, segment): (&SegmentGrid, &Segment)| part.spacing / segment.material.c0();
@@ -106,7 +108,7 @@ impl Grid {
         self.in_steps_of(bar, dt, is_near)
     }
 
-    /// The same cells in steps of `dt` (s), in just one of which waves cross those whose transit time (s) `is_rounded`.
+    /// Returns the same cells with time steps of `dt` (s); waves cross those whose transit time (s) `is_rounded` in exactly one step.
     #[must_use]
     pub fn in_steps_of(&self, bar: &Bar, dt: f64, is_rounded: impl Fn(f64) -> bool) -> Self {
         let mut grid = Self { dt, ..self.clone() };
@@ -120,36 +122,36 @@ impl Grid {
         grid
     }
 
-    /// Largest relative change of a segment's transit time by rounding to whole steps, >= 0.
+    /// Returns the largest relative change of a segment's transit time by rounding to whole steps, >= 0.
     pub fn transit_shift(&self) -> f64 {
         self.segments.iter().map(|part| (part.dx / part.spacing - 1.0).abs()).fold(0.0, f64::max)
     }
 
-    /// Steps up to a time, s: to the first that reaches it, one at least.
+    /// Returns the number of steps to the first one that reaches a time (s), at least one.
     pub fn steps_to(&self, until: f64) -> usize {
         // Rounding in until/dt must not cost a whole extra step.
         ((until / self.dt - 1e-9).ceil() as usize).max(1)
     }
 
-    /// Cells of the whole bar.
+    /// Returns the number of cells of the whole bar.
     pub fn cells(&self) -> usize {
         self.segments.last().map_or(0, |s| s.cells.end)
     }
 
-    /// Cell centres, m.
+    /// Returns the cell centres, m.
     pub fn centres(&self) -> Vec<f64> {
         let centre = |s: &SegmentGrid, i: usize| s.x0 + ((i - s.cells.start) as f64 + 0.5) * s.spacing;
         self.segments.iter().flat_map(|s| s.cells.clone().map(move |i| centre(s, i))).collect()
     }
 
-    /// Place of a node, m; its number is that of the cell to its right.
+    /// Returns the position of a node, m; its number is that of the cell to its right.
     pub fn node(&self, node: usize) -> f64 {
         let k = self.segments.partition_point(|s| s.cells.end < node).min(self.segments.len() - 1);
         let segment = &self.segments[k];
         segment.x0 + (node - segment.cells.start) as f64 * segment.spacing
     }
 
-    /// The segment that holds place `x` (the right one at a joint, as by front tracking).
+    /// Returns the segment at position `x` (the right one at a joint, as in front tracking).
     pub fn segment_at(&self, x: f64) -> usize {
         let after = self.segments.partition_point(|s| s.x0 <= x * (1.0 + SAME_PLACE));
         after.max(1) - 1

@@ -1,31 +1,33 @@
 //! Filter for grid-scale oscillations of the leapfrog scheme in yielded cells.
 //!
-//! There are three kinds. None arises in an elastic run, which never calls this filter.
+//! There are three kinds of oscillation. None arises in an elastic run, which never calls this filter.
 //!
-//! **Odd-even mode.** At Courant number 1 the scheme solves the wave equation on two interleaved lattices (odd and even
-//! i + n). Elastic waves are exact on both. Where a sharp unloading front crosses a plastic one, the two lattices stop
-//! flowing half a step apart, and the offset remains as a stress that alternates from cell to cell, of the order of the
-//! yield stress. (Most of it is avoided, see [`super::stopping_flow`].) The filter damps the strain rate of a cell where it
-//! alternates in sign with those of both neighbours. An elastic front is monotone but for small ripples, however sharp, and
-//! is not changed; nor is one that has come to a cell which flows, and opposes both neighbours as they flow on.
+//! **Odd-even mode.** At Courant number 1 the scheme solves the wave equation on two interleaved lattices (odd and even i + n). Elastic
+//! waves are exact on both. Where a sharp unloading front crosses a plastic one, the two lattices stop flowing half a step apart, and the
+//! offset remains as a stress that alternates from cell to cell, of the order of the yield stress. (Most of it is avoided, see
+//! [`super::stopping_flow`].) The filter damps the strain rate of a cell if its sign is opposite to that of both neighbours. An elastic
+//! front, however sharp, is monotone apart from small ripples, and is not changed. A sharp front that has just reached a flowing cell is
+//! not changed either, although the strain rate of the cell is then opposite to that of both neighbours, which still flow.
 //!
-//! **Overshoot.** A plastic wave has a Courant number below 1: a dispersive wave train follows its front, and plastic flow
-//! keeps the peaks as excess plastic strain. In a cell that flows and is strained further in the same sense, the filter
-//! damps the part of the strain rate above twice the smaller of its neighbours', which is not zero only at such peaks. Beside an end that loads it and is
-//! not held, a cell is compared with what the force on the end supports, as there is no neighbour.
+//! **Overshoot.** A plastic wave has a Courant number below 1: a dispersive wave train follows its front, and plastic flow keeps the peaks
+//! as excess plastic strain. In a cell that flows and is strained further in the same sense, the filter damps the part of the strain rate
+//! that exceeds twice the smaller of its neighbours'. This part is nonzero only at such peaks. A cell next to an end that loads it and is
+//! not held has only one neighbour; it is compared with the strain rate that the force on the end supports.
 //!
-//! **Shocks.** Along a curve that stiffens loading waves run together, and along one that is followed both ways unloading ones. A shock takes
-//! energy, for which the scheme has nothing: it would go on as oscillations, whose peaks are kept as plastic strain. Where there can be
-//! shocks, the filter damps all of the strain rate of a cell that flows, by an artificial viscosity that goes with the square of the velocity
-//! difference (von Neumann and Richtmyer) up to a limit from which it is linear (Landshoff): a shock is some four cells wide then. The difference is
-//! that at the time of the stresses, the mean of those before and after the step: with it viscosity takes energy at any size, and its delay does not
-//! act as dispersion. (Along a curve that is followed both ways, a shock from yield in tension to beyond yield in compression stops at yield, and
-//! slower plastic waves follow. Dispersion holds them together.) In a cell that has flowed and is elastic again the filter damps what exceeds the
-//! mean of the neighbours', a hyperviscosity: the elastic waves of a few cells that a shock leaves behind decay, long ones go on.
+//! **Shocks.** Along a curve that stiffens, loading waves merge into shocks; along a curve that is followed in both directions, unloading
+//! waves do. A shock dissipates energy, for which the scheme has no mechanism: the energy would remain as oscillations, whose peaks are
+//! kept as plastic strain. Where there can be shocks, the filter therefore damps the whole strain rate of a flowing cell by an artificial
+//! viscosity. It is proportional to the square of the velocity difference (von Neumann and Richtmyer) up to a limit, and linear above it
+//! (Landshoff). A shock is then about four cells wide. The velocity difference is that at the time of the stresses, the mean of those
+//! before and after the step: with this mean, viscosity dissipates energy at any size, and its delay does not act as dispersion. (Along a
+//! curve that is followed in both directions, a shock from yield in tension to beyond yield in compression stops at yield, and slower
+//! plastic waves follow. Dispersion holds them together.) In a cell that has flowed and is elastic again, the filter damps the part of the
+//! strain rate that exceeds the mean of the neighbours', a hyperviscosity: elastic waves of a few cells that a shock leaves behind decay,
+//! while long waves are preserved.
 //!
-//! All are equal and opposite impulses on the two nodes of the cell: momentum is conserved to the last bit, and the energy
-//! taken is booked as `numerical` in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in
-//! stress falls to about half of the unfiltered scheme's, at 1000 and at 10000 cells.
+//! All corrections are equal and opposite impulses on the two nodes of the cell: momentum is conserved to the last bit, and the energy
+//! taken is recorded as `numerical` in the ledger. On bilinear bars (plastic wave speed 0.1 to 0.97 c0) the error in stress falls to about
+//! half of the unfiltered scheme's, at 1000 and at 10000 cells.
 
 use std::ops;
 
@@ -35,101 +37,108 @@ use super::sizes::MOST_CELLS;
 use crate::elementary::{larger, lesser};
 use crate::law::{Aligned, LANES};
 
-/// Fraction of an alternating velocity difference that is redistributed between two nodes while an elastic wave passes a cell. A step
-/// redistributes this times the Courant number, so that the damping of a wave does not depend on the time step. At Courant number 1 a
-/// pure odd-even mode shrinks by 1 - 4 x 1/8 = 1/2 a step; 0.06 to 0.25 give the same errors within 5 %.
+/// Fraction of an alternating velocity difference that is redistributed between the two nodes of a cell in the time that an elastic wave
+/// takes to cross the cell. Each step redistributes this fraction times the Courant number, so that the damping of a wave does not depend
+/// on the time step. At Courant number 1 a pure odd-even mode shrinks by 1 - 4 x 1/8 = 1/2 per step; values from 0.06 to 0.25 give the same
+/// errors within 5 %.
 const ZIGZAG_SHARE: f64 = 0.125;
 
-/// Likewise, fraction of the velocity difference of a flowing cell above that which its neighbours support. At 1000 cells
-/// the error of the bilinear benchmark is 2.0e-3 from 0.05 to 0.12 and grows beyond; that of the power-law benchmark
-/// grows slowly from 3.6e-4 at 0.05 to 4.0e-4 at 0.12; and the excess plastic strain behind a suddenly applied stress
-/// of three times the yield stress falls from 0.7 % to 0.2 % between 0.05 and 0.1, and no further.
+/// Likewise, fraction of the part of a flowing cell's velocity difference that exceeds what its neighbours support. At 1000 cells the error
+/// of the bilinear benchmark is 2.0e-3 from 0.05 to 0.12 and grows above; that of the power-law benchmark grows slowly from 3.6e-4 at 0.05
+/// to 4.0e-4 at 0.12; and the excess plastic strain behind a suddenly applied stress of three times the yield stress falls from 0.7 % to
+/// 0.2 % between 0.05 and 0.1, and no further.
 const OVERSHOOT_SHARE: f64 = 0.1;
 
-/// Likewise, fraction of the velocity difference of a flowing end cell above that which its end supports, see [`Beside::Loaded`]. Behind a stress that
-/// rises to 1.2 to 3 times the yield stress, in bilinear bars with plastic waves of 0.05 to 0.6 c0, the excess strain is 9 to 43 % without it, 7 to 17 %
-/// with the share and the support of the other cells, and 1 to 5 % with 0.25 (rise in 20 to 100 steps); with 0.1 up to 21 %.
+/// Likewise, fraction of the part of a flowing end cell's velocity difference that exceeds what its end supports, see [`Beside::Loaded`].
+/// Behind a stress that rises to 1.2 to 3 times the yield stress in 20 to 100 steps, in bilinear bars with plastic waves of 0.05 to 0.6 c0,
+/// the excess strain is 9 to 43 % without this correction, 7 to 17 % with the fraction and the support of the other cells, and 1 to 5 %
+/// with 0.25. With 0.1 it is up to 21 %.
 const END_SHARE: f64 = 0.25;
 
-/// Likewise, most of the whole velocity difference of a flowing cell where there can be shocks: of one that loads and of one that unloads. In
-/// `runs/lock-up.toml` the strain behind the shock is off by twice as much with 0.1 as with 0.5, for short time steps also with 0.2. In a twisted rod
-/// that unloads along its curve, the stress differs from the Godunov scheme's by twice as much with 0.5 as with 0.2.
+/// Likewise, largest fraction of the whole velocity difference of a flowing cell that artificial viscosity redistributes where there can be
+/// shocks, in loading and in unloading. In `runs/lock-up.toml` the error of the strain behind the shock is twice as large with 0.1 as with
+/// 0.5, for short time steps also with 0.2. In a twisted rod that unloads along its curve, the difference in stress from the Godunov scheme
+/// is twice as large with 0.5 as with 0.2.
 const VISCOUS_SHARES: [f64; 2] = [0.5, 0.2];
 
-/// Likewise, fraction of that of a cell inside a shock that reverses the stress, from where it leaves the curve in one sense. Of bars that are pulled
-/// and then released or pushed, along five curves followed both ways, the stress differs from front tracking's by 4.6 % of the mean with 200 and
-/// 1.7 % with 800 cells; with 0.35 by 4.6 and 1.8 %, with 0.5 by 4.8 and 1.5 %, and peaks behind shocks are then 2 % too large.
+/// Likewise, fraction of the velocity difference in a cell inside a shock that reverses the stress, once the cell has stopped unloading
+/// along the curve. In bars that are pulled and then released or pushed, along five curves followed in both directions, the stress differs
+/// from that of front tracking by 4.6 % of the mean with 200 cells and 1.7 % with 800 cells; with a fraction of 0.35 by 4.6 and 1.8 %, with
+/// 0.5 by 4.8 and 1.5 %, and peaks behind shocks are then 2 % too large.
 const CROSSING_SHARE: f64 = 0.4;
 
-/// Cells of a shock. The stress that artificial viscosity adds goes with the square of the velocity difference (von Neumann and Richtmyer), so that
-/// the damping of smooth waves goes with the square of the cell size. Where the velocity changes evenly on this many cells, that stress is the largest
-/// difference between the curve and the chord along which the shock runs.
+/// Width of a shock, in cells. The stress that artificial viscosity adds is proportional to the square of the velocity difference (von
+/// Neumann and Richtmyer), so that the damping of smooth waves is proportional to the square of the cell size. Where the velocity changes
+/// linearly over this many cells, that stress equals the largest difference between the curve and the chord along which the shock runs.
 const SHOCK_CELLS: f64 = 4.0;
 
-/// Likewise, fraction of what a velocity difference exceeds the mean of its neighbours', in a cell that has flowed and does not flow now, where there
-/// can be shocks. It takes the elastic waves of a few cells that a shock leaves behind: one of 8 cells falls to a tenth on some 250 cells, one of
-/// 80 cells on 2.5e6. The force at the end of a foam that locks up swings half as far with 0.2 as with 0.1; with more, rectangular pulses in metals have
-/// errors that are larger by a third.
+/// As for [`ZIGZAG_SHARE`], fraction of the part of a velocity difference that exceeds the mean of its neighbours', in a cell that has
+/// flowed and does not flow in this step, where there can be shocks. It damps the elastic waves of a few cells that a shock leaves behind:
+/// a wave of 8 cells falls to a tenth over about 250 cells, one of 80 cells over 2.5e6 cells. The force at the end of a foam that locks up
+/// oscillates with half the amplitude with 0.2 compared with 0.1; with larger values, rectangular pulses in metals have errors that are
+/// larger by a third.
 const RINGING_SHARE: f64 = 0.2;
 
-/// Most of a velocity difference that a step may take: more would turn an odd-even mode round, and is not stable where waves run a cell in a step.
-/// Artificial viscosity counts half: with the share m of the mean of the differences before and after the step, and p of that after it, a step makes of an
-/// odd-even mode (see [`largest_alternating_share`]) eigenvalues with the product 1 - 4 p - 4 m and the sum 2 - 4 p - 4 m - 4 C^2 (1 - 4 p - 2 m). None is
-/// larger than 1 for p + m/2 <= 1/4, and m <= 1/2.
+/// Largest fraction of a velocity difference that a step may redistribute: more would reverse an odd-even mode, and is unstable at Courant
+/// number 1. Artificial viscosity counts half: with the fraction m of the mean of the differences before and after the step, and p of the
+/// difference after it, the eigenvalues of a step for an odd-even mode (see [`largest_alternating_share`]) have the product 1 - 4 p - 4 m
+/// and the sum 2 - 4 p - 4 m - 4 C^2 (1 - 4 p - 2 m). None exceeds 1 in magnitude if p + m/2 <= 1/4 and m <= 1/2.
 const LARGEST_SHARE: f64 = 0.25;
 
-/// Most of one that alternates in sign with its neighbours: it damps an odd-even mode critically. Of such a mode, of velocity v and stress s, a step
-/// at Courant number C makes v' = q (v + a s), s' = s - b v' with a b = 4 C^2 and q = 1 - 4 share, so that the eigenvalues have the product q and the
-/// sum 1 + q - 4 C^2 q. They are equal, and as small as they can be, for q = 1/(1 + 2 C)^2. With more, at last q = 0, no velocity is left and the
-/// stress stays for ever: it was 35 MPa from cell to cell behind a shock of 250 MPa.
+/// Returns the largest fraction of a velocity difference that alternates in sign with its neighbours: the one that damps an odd-even mode
+/// critically. At Courant number C, a step changes the velocity v and the stress s of such a mode to v' = q (v + a s) and s' = s - b v',
+/// with a b = 4 C^2 and q = 1 - 4 share, so that the eigenvalues have the product q and the sum 1 + q - 4 C^2 q. They are equal, and as
+/// small as possible, for q = 1/(1 + 2 C)^2. A larger fraction (in the limit q = 0) removes the velocity and leaves the stress unchanged
+/// for all later steps: it alternated by 35 MPa from cell to cell behind a shock of 250 MPa.
 fn largest_alternating_share(courant: f64) -> f64 {
     0.25 * (1.0 - (1.0 + 2.0 * courant).powi(-2))
 }
 
-/// Velocity differences below this part of the elastic wave speed (strain in a step) are rounding. Where
-/// the bar is at rest or moves uniformly, blocks then have nothing to damp.
+/// Fraction of the elastic wave speed (the strain in a step) below which velocity differences count as rounding errors. Blocks at rest or
+/// in uniform motion then have nothing to damp.
 const ROUNDING: f64 = 1e-15;
 
-/// What the filter does in the cells of a segment.
+/// Coefficients of the filter in the cells of a segment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Filter {
-    /// Velocity difference of neighbouring nodes that is rounding, m/s.
+    /// Velocity difference of neighbouring nodes that counts as a rounding error, m/s.
     pub rounding: f64,
-    /// Shares of a step.
+    /// Fractions redistributed per step: [`ZIGZAG_SHARE`], [`OVERSHOOT_SHARE`] and [`END_SHARE`], times the Courant number.
     zigzag: f64,
     overshoot: f64,
     at_end: f64,
-    /// Most of all the velocity difference of a flowing cell that loads, and of one that unloads.
+    /// Largest fraction of the whole velocity difference of a flowing cell, in loading and in unloading.
     viscous: [f64; 2],
-    /// That share per velocity difference, s/m, in tension and in compression.
+    /// That fraction per velocity difference, s/m: in tension and in compression, each in loading and in unloading.
     rise: [[f64; 2]; 2],
-    /// Of the velocity difference inside a shock that reverses the stress.
+    /// Fraction of the velocity difference inside a shock that reverses the stress.
     crossing: f64,
-    /// Of what exceeds the mean of the neighbours' in a cell that has flowed.
+    /// Fraction of the part that exceeds the mean of the neighbours', in a cell that has flowed.
     ringing: f64,
-    /// Of all together where the difference alternates.
+    /// Largest total fraction where the difference alternates.
     alternating: f64,
 }
 
-/// Waves of a segment that can be shocks, in tension and in compression: the largest difference in stress between the curve and the chord along
-/// which a shock runs, over rho (change of velocity)^2; 0 where there are none.
+/// Waves of a segment that can be shocks, in tension and in compression: the largest difference in stress between the curve and the chord
+/// along which a shock runs, divided by rho (change of velocity)^2; 0 if there are no shocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shocks {
-    /// Those of loading: the curve stiffens.
+    /// Loading waves, along a curve that stiffens.
     pub loading: [f64; 2],
-    /// Those of unloading: the curve is followed both ways.
+    /// Unloading waves, along a curve that is followed in both directions.
     pub unloading: [f64; 2],
-    /// Least change of velocity by which first loading comes to where the curve stiffens, m/s; infinite where it does not.
+    /// Smallest change of velocity by which first loading reaches the part of the curve that stiffens, m/s; infinite if the curve does not
+    /// stiffen.
     pub velocity: f64,
 }
 
 impl Shocks {
-    /// There are none.
+    /// No wave is a shock.
     pub const NONE: Self = Self { loading: [0.0; 2], unloading: [0.0; 2], velocity: f64::INFINITY };
 }
 
 impl Filter {
-    /// Where elastic waves run at `c0` (m/s), with this Courant number.
+    /// Creates the filter for the elastic wave speed `c0` (m/s) and this Courant number.
     pub fn new(c0: f64, courant: f64, shocks: Shocks) -> Self {
         let rise = |distance: f64| SHOCK_CELLS * SHOCK_CELLS * distance * courant / c0;
         Self {
@@ -145,19 +154,19 @@ impl Filter {
         }
     }
 
-    /// The same where sideways motion makes cells heavier against changes of their length: the mass of a mode that alternates from cell to cell is
-    /// `mass` times that of the nodes. Impulses are that much less than those of cells without it, so that the force of the filter stays
-    /// that of a viscosity, which vanishes with the cell size. The whole share would take so much of the sideways motion in every step that cells next
-    /// to a free or loaded end flowed by less the smaller they are.
+    /// Returns the filter for cells with lateral inertia, which adds mass to changes of their length: the mass of a mode that alternates
+    /// from cell to cell is `mass` times that of the nodes. The impulses are smaller by this factor than those of cells without lateral
+    /// inertia, so that the force of the filter remains that of a viscosity, which vanishes with the cell size. The full fractions would
+    /// take so much of the lateral motion in every step that cells next to a free or loaded end would flow less, the smaller they are.
     #[must_use]
     pub fn with_mass(self, mass: f64) -> Self {
         let [zigzag, overshoot, at_end] = [self.zigzag, self.overshoot, self.at_end].map(|share| share / mass);
         Self { zigzag, overshoot, at_end, ..self }
     }
 
-    /// Part of the velocity difference `mean` at the time of the stresses that artificial viscosity takes of a cell with this [flow](Cells::flow)
-    /// under this stress: none where it does not flow on. A shock that reverses the stress `crosses` the elastic range and loads on the other side:
-    /// there it takes a fixed part.
+    /// Returns the fraction of the velocity difference `mean` at the time of the stresses that artificial viscosity redistributes in a cell
+    /// with this [flow](Cells::flow) and stress; 0 if the cell does not continue to flow. A shock that reverses the stress `crosses` the
+    /// elastic range and loads in the other sense: there the fraction is constant.
     #[inline(always)]
     fn viscosity(&self, mean: f64, flow: f64, sigma: f64, crosses: bool) -> f64 {
         let rises = if sigma < 0.0 { self.rise[1] } else { self.rise[0] };
@@ -172,35 +181,37 @@ impl Filter {
         }
     }
 
-    /// What flow is missing in a cell that a sharp wave unloads, as a part of the plastic strain of the step before (see [`super::stopping_flow`]). None
-    /// where there can be shocks: what unloads there is mostly the ringing of the cells of one, and the strain that a shock keeps too much would grow.
+    /// Returns the flow that is missing in a cell that a sharp wave unloads, relative to the plastic strain of the step before (see
+    /// [`super::stopping_flow`]). Returns 0 where there can be shocks: most unloading there is ringing of the cells inside a shock, and the
+    /// excess strain that a shock leaves would grow.
     pub fn missing_flow(&self) -> f64 {
         if self.takes_shocks() { 0.0 } else { 0.5 + self.overshoot }
     }
 
-    /// Velocity differences side by side (m/s) of which the middle one is an oscillation from cell to cell.
+    /// Returns whether the middle one of three neighbouring velocity differences (m/s) is an oscillation from cell to cell.
     pub fn oscillates(&self, differences: [f64; 3]) -> bool {
         let (_, size, neighbours) = seen_from(differences);
         alternates(size, neighbours, *self)
     }
 
-    /// Differences that support each other are damped, too.
+    /// Returns whether there can be shocks, so that differences which support each other are damped, too.
     pub fn takes_shocks(&self) -> bool {
         self.rise != [[0.0; 2]; 2]
     }
 }
 
-/// Part of a velocity difference up to which those beside it are ripples, and not its oscillation. A sharp wave that has come through a plastic front has
-/// ripples of some percent before and behind it. With 0.1 a bar that is elastic for a thousand transits gains 1 % of energy, with 0.05 none.
+/// Fraction of a velocity difference up to which its neighbours count as ripples beside a sharp front, not as an oscillation. A sharp wave
+/// that has passed through a plastic front has ripples of some percent ahead of it and behind it. With 0.1 a bar that is elastic for a
+/// thousand transits gains 1 % of energy, with 0.05 none.
 const RIPPLES: f64 = 0.05;
 
-/// How much of a velocity difference the lesser of its neighbours' supports.
+/// Largest velocity difference that its neighbours support, as a multiple of the smaller of theirs.
 const SUPPORT: f64 = 2.0;
 
 /// Velocity differences of a block's cells, and of the cells next to it on both sides.
 #[derive(Debug)]
 pub(super) struct Gaps {
-    /// Those of the block from [`LANES`] on, so that they lie as the velocities do.
+    /// The differences of the block start at index [`LANES`], so that they are aligned as the velocities are.
     w: Aligned<[f64; MOST_CELLS + 2 * LANES]>,
     cells: usize,
     outside: [Beside; 2],
@@ -208,41 +219,42 @@ pub(super) struct Gaps {
     largest: f64,
 }
 
-/// What the filter must know of cells.
+/// State of the cells that the filter reads.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cells<'a> {
-    /// Some of them flowed in the latest step.
+    /// Whether some of the cells flowed in the latest step.
     pub flows: bool,
-    /// What each flowed in the latest step, see [`Row::flow`]; empty where the block has not yielded.
+    /// Flow of each cell in the latest step, see [`Row::flow`]; empty if the block has not yielded.
     ///
     /// [`Row::flow`]: crate::law::Row::flow
     pub flow: &'a [f32],
-    /// How each has flowed, see [`note_flow`]; empty where there can be no shocks.
+    /// Flow history of each cell, see [`note_flow`]; empty if there can be no shocks.
     pub have_flowed: &'a [i8],
     /// Stresses, Pa.
     pub sigma: &'a [f64],
-    /// Velocity differences at the time of the stresses, m/s; empty where there can be no shocks.
+    /// Velocity differences at the time of the stresses, m/s; empty if there can be no shocks.
     pub mean: &'a [f64],
 }
 
-/// What is next to a row of nodes.
+/// Neighbour of a row of nodes on one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Beside {
-    /// A node of the same segment, with this velocity, m/s.
+    /// Node of the same segment, with this velocity, m/s.
     Node(f64),
-    /// An end that moves freely: the bar goes on as in a mirror.
+    /// End that moves freely: the bar is continued by its mirror image.
     Mirror,
-    /// One whose force makes the cell beside it flow, and supports a velocity difference of this size (m/s) there. In a mirror it would support none:
-    /// the cell would lag behind the load by 10 steps at plastic waves of 0.1 c0, and keep too little strain.
+    /// End whose force makes the adjacent cell flow and supports a velocity difference of this size (m/s) there. A mirror image would
+    /// support none: at plastic waves of 0.1 c0, the cell would lag behind the load by 10 steps and keep too little strain.
     Loaded(f64),
-    /// An end whose velocity is prescribed: it takes impulses.
+    /// End whose velocity is prescribed; it absorbs impulses.
     Held,
-    /// A joint or a gap: it takes none.
+    /// Joint or gap; it absorbs no impulses.
     Joint,
 }
 
 impl Beside {
-    /// The velocity difference beyond an outer node of velocity `v`; `outwards` is 1 at the right, and the cells are the outermost one and its neighbour.
+    /// Returns the velocity difference beyond an outer node of velocity `v`; `None` at a held end or a joint. `outwards` is -1 at the left
+    /// and 1 at the right, and the last argument holds the differences of the outermost cell and its neighbour.
     fn difference(self, outwards: f64, v: f64, [outer, inner]: [f64; 2]) -> Option<f64> {
         match self {
             Self::Node(velocity) => Some(outwards * (velocity - v)),
@@ -253,7 +265,7 @@ impl Beside {
 }
 
 impl Gaps {
-    /// With room for the longest block.
+    /// Creates an instance with room for the longest block.
     pub const fn new() -> Self {
         Self {
             w: Aligned([0.0; MOST_CELLS + 2 * LANES]),
@@ -264,7 +276,7 @@ impl Gaps {
         }
     }
 
-    /// Those of a row of nodes.
+    /// Computes the velocity differences of a row of nodes.
     pub fn read(&mut self, v: &[f64], outside: [Beside; 2], rounding: f64) {
         let cells = v.len() - 1;
         let [any, all, least, largest] = differences(v, &mut self.w.0[LANES..]);
@@ -282,19 +294,19 @@ impl Gaps {
         (self.cells, self.outside) = (cells, outside);
     }
 
-    /// Largest of them all, m/s.
+    /// Returns the largest size of the differences, m/s.
     pub fn largest(&self) -> f64 {
         self.largest
     }
 
-    /// True where no cell can have an impulse, found from the differences as a whole: they are all rounding, or of
-    /// one sign and so alike that each supports its neighbours.
+    /// Returns true if no cell can have an impulse, judged from the differences as a whole: all are rounding errors, or all have one sign
+    /// and are so similar that each supports its neighbours. Always false for flowing cells where there can be shocks.
     pub fn are_smooth(&self, flows: bool, filter: Filter) -> bool {
         self.smooth && !(filter.takes_shocks() && flows)
     }
 
-    /// Impulses as velocity differences, one a cell, into `impulses`. At a prescribed end the last cell has no neighbour to be compared with,
-    /// and only artificial viscosity; nor has it beside a joint. Returns whether any is not zero.
+    /// Computes the impulses as velocity differences, one per cell, into `impulses`, and returns whether any is nonzero. At a prescribed
+    /// end or a joint, the outermost cell has no neighbour to be compared with, and receives only artificial viscosity.
     pub fn find(&self, cells: &Cells<'_>, filter: Filter, impulses: &mut [f64]) -> bool {
         let Cells { flows, flow, sigma, mean, .. } = *cells;
         let w = &self.w.0[LANES - 1..=LANES + self.cells];
@@ -327,13 +339,13 @@ impl Gaps {
     }
 }
 
-/// Steps after it unloaded in flow in which a cell may still be inside a shock: four cells at a quarter of the elastic speed.
+/// Number of steps after unloading in flow in which a cell may still be inside a shock: four cells at a quarter of the elastic wave speed.
 const CROSSING: i8 = 16;
 
-/// Notes in a row of cells how they have flowed: 0 never, 1 some time ago, more for those that unload in flow now or did so in the last [`CROSSING`]
-/// steps.
+/// Records how the cells of a row have flowed: 0 if never, 1 if some time ago, and larger values if they unload in flow or did so in the
+/// last [`CROSSING`] steps.
 pub(super) fn note_flow(flows: bool, flow: &[f32], sigma: &[f64], have_flowed: &mut [i8]) {
-    // 0 and 1 stay as they are without flow.
+    // Without flow, the values 0 and 1 do not change.
     if flows || !none_crosses(have_flowed) {
         note_new_flow(flow, sigma, have_flowed);
     }
@@ -345,7 +357,7 @@ fn note_new_flow(flow: &[f32], sigma: &[f64], have_flowed: &mut [i8]) {
     let (flow, sigma) = (&flow[..cells], &sigma[..cells]);
     let [mut flowing, mut unloading] = [[0; MOST_CELLS]; 2];
     let (flowing, unloading) = (&mut flowing[..cells], &mut unloading[..cells]);
-    // Numbers of their own first: compilers know no loop for numbers of different sizes.
+    // The flags are found first, as compilers do not vectorize loops over numbers of different sizes.
     for i in 0..cells {
         flowing[i] = i8::from(flow[i] != 0.0);
         unloading[i] = i8::from(f64::from(flow[i]) * sigma[i] < 0.0);
@@ -357,19 +369,19 @@ fn note_new_flow(flow: &[f32], sigma: &[f64], have_flowed: &mut [i8]) {
     }
 }
 
-/// A cell may be inside a shock that reverses the stress.
+/// Returns whether a cell may be inside a shock that reverses the stress.
 #[inline(always)]
 fn crosses(have_flowed: i8) -> bool {
     have_flowed > 1
 }
 
-/// No cell may.
+/// Returns whether no cell may be inside such a shock.
 fn none_crosses(have_flowed: &[i8]) -> bool {
     have_flowed.iter().fold(0, |any, have| any | have) <= 1
 }
 
-/// The velocity differences of a row of nodes: what they have in common as bits, for which compilers know better loops than
-/// for numbers. Sizes compare as their bits do; that of NaN is larger than any.
+/// Bit patterns that the velocity differences of a row of nodes have in common, for which compilers generate faster loops than for
+/// floating-point numbers. Sizes compare as their bit patterns do; that of NaN is larger than any other.
 #[derive(Debug, Clone, Copy)]
 struct Range {
     any: u64,
@@ -397,7 +409,7 @@ impl Range {
     }
 }
 
-/// Differences of neighbouring velocities into `w`. Returns their [`Range`]: any, all, least, largest.
+/// Computes the differences of neighbouring velocities into `w`. Returns the fields of their [`Range`]: any, all, least, largest.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn differences(v: &[f64], w: &mut [f64]) -> [u64; 4] {
     let cells = v.len() - 1;
@@ -410,27 +422,28 @@ fn differences(v: &[f64], w: &mut [f64]) -> [u64; 4] {
     [range.any, range.all, range.least, range.largest]
 }
 
-/// A velocity difference as its sense and its size, and its neighbours', positive where they have its sense.
+/// Returns the sign and the size of a velocity difference, and its neighbours, positive if they have its sign.
 #[inline(always)]
 fn seen_from([left, w, right]: [f64; 3]) -> (f64, f64, [f64; 2]) {
     let sense = 1.0_f64.copysign(w);
     (sense, w.abs(), [sense * left, sense * right])
 }
 
-/// A difference of this size has the other sign than both its neighbours, which are not ripples beside a sharp front.
+/// Returns whether a difference of this size has the opposite sign of both its neighbours, and these are more than ripples beside a sharp
+/// front.
 #[inline(always)]
 fn alternates(size: f64, [left, right]: [f64; 2], filter: Filter) -> bool {
     larger(left, right) < -larger(filter.rounding, RIPPLES * size)
 }
 
-/// The odd-even part of a difference of this size.
+/// Returns the impulse that damps the odd-even part of a difference of this size; 0 if the difference does not alternate.
 #[inline(always)]
 fn alternating(size: f64, neighbours: [f64; 2], filter: Filter) -> f64 {
     if alternates(size, neighbours, filter) { filter.zigzag * size } else { 0.0 }
 }
 
-/// The part of the size of a velocity difference that exceeds the mean of its neighbours', in a cell that `rings`. (Only what makes it smaller:
-/// an impulse that made it larger would give energy where its neighbours have none.)
+/// Returns the size of the impulse for the part of a velocity difference that exceeds the mean of its neighbours', in a cell that `rings`.
+/// (Never less than 0: an impulse that enlarged the difference would add energy where the neighbours have none.)
 #[inline(always)]
 fn ringing(w: [f64; 3], rings: bool, filter: Filter) -> f64 {
     let (_, size, neighbours) = seen_from(w);
@@ -438,11 +451,10 @@ fn ringing(w: [f64; 3], rings: bool, filter: Filter) -> f64 {
     if rings && size > filter.rounding { filter.ringing * above } else { 0.0 }
 }
 
-/// Impulse of a cell as a velocity difference: the odd-even part of `w` and, where the cell is strained further in the sense of its `flow`, the
-/// overshoot.
-/// (Not where it has turned since: kinetic energy is that of the mean of this difference and the one a step before, which was larger and of
-/// the other sign. To take some of this one would then give energy.)
-/// `STOPS`: sharp waves stop the flow of single cells, which do not alternate then.
+/// Returns the impulse of a cell as a velocity difference: the odd-even part of `w` and, if the cell is strained further in the sense of
+/// its `flow`, the overshoot. (Not if the strain rate has reversed: the kinetic energy is that of the mean of this difference and the one a
+/// step before, which was larger and of the other sign, so that reducing this one would add energy.) With `STOPS`, a cell whose strain rate
+/// is opposite to its flow does not count as alternating: a sharp wave stops its flow.
 #[inline(always)]
 fn impulse<const STOPS: bool>(w: [f64; 3], flow: f64, filter: Filter) -> f64 {
     let (_, _, neighbours) = seen_from(w);
@@ -450,7 +462,7 @@ fn impulse<const STOPS: bool>(w: [f64; 3], flow: f64, filter: Filter) -> f64 {
     ripples::<STOPS>(w, flow, filter, [filter.overshoot, supported])
 }
 
-/// The same, the overshoot being a `share` of what is above the `supported` size.
+/// As [`impulse`], with the overshoot given by a `share` of the part above the `supported` size.
 #[inline(always)]
 fn ripples<const STOPS: bool>(w: [f64; 3], flow: f64, filter: Filter, [share, supported]: [f64; 2]) -> f64 {
     let (sense, size, neighbours) = seen_from(w);
@@ -461,8 +473,8 @@ fn ripples<const STOPS: bool>(w: [f64; 3], flow: f64, filter: Filter, [share, su
     sense * (alternating + overshoot)
 }
 
-/// What the cells of a block in which nothing flows hand over; `w` are their differences and one more on either side. Returns
-/// whether that is anything.
+/// Computes the impulses of the cells of a block in which nothing flows; `w` holds their differences and one more on either side. Returns
+/// whether any is nonzero.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn find(w: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
     let cells = impulses.len();
@@ -476,7 +488,7 @@ fn find(w: &[f64], filter: Filter, impulses: &mut [f64]) -> bool {
     bits & Range::SIZE != 0
 }
 
-/// The same in a block with cells that flow.
+/// As [`find`], for a block with cells that flow.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn find_flowing(w: &[f64], flow: &[f32], filter: Filter, impulses: &mut [f64]) -> bool {
     let cells = impulses.len();
@@ -489,7 +501,7 @@ fn find_flowing(w: &[f64], flow: &[f32], filter: Filter, impulses: &mut [f64]) -
     bits & Range::SIZE != 0
 }
 
-/// The same where there can be shocks; `FLOWS`: some cell flows, or crosses the elastic range in one.
+/// As [`find`], where there can be shocks. `FLOWS`: some cell flows, or crosses the elastic range inside a shock.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn find_shocks<const FLOWS: bool>(w: &[f64], row: &Cells<'_>, filter: Filter, impulses: &mut [f64]) -> bool {
     let cells = impulses.len();
@@ -516,11 +528,11 @@ fn find_shocks<const FLOWS: bool>(w: &[f64], row: &Cells<'_>, filter: Filter, im
     bits & Range::SIZE != 0
 }
 
-/// Applies the impulses to these nodes inside a block. `gain` is dt/(rho dx). Returns the sum over nodes of twice
-/// the energy taken, per node mass, (m/s)^2.
+/// Applies the impulses to these nodes inside a block. `gain` is dt/(rho dx). Returns the sum over the nodes of twice the energy taken per
+/// node mass, (m/s)^2.
 ///
-/// With v before and after, and g = gain times the stress difference at the node, a node loses
-/// m (v - v') (v + v' - g)/2 of the energy that the scheme conserves (see the ledger's kinetic energy).
+/// With v and v' the velocities before and after, and g = gain times the stress difference at the node, a node loses m (v - v') (v + v' -
+/// g)/2 of the energy that the scheme conserves (see the ledger's kinetic energy).
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 pub(super) fn apply_impulses(
     gain: f64,
@@ -549,7 +561,7 @@ pub(super) fn apply_impulses(
     lost.iter().sum()
 }
 
-/// One node: takes on the velocity change and returns (v - v') (v + v' - g).
+/// Adds the velocity change to a node and returns (v - v') (v + v' - g).
 #[inline(always)]
 pub(super) fn node(g: f64, change: f64, v: &mut f64) -> f64 {
     let before = *v;

@@ -1,10 +1,10 @@
 //! Bars that are stressed or have yielded at t = 0.
 //!
-//! What held the bar is taken away at t = 0. Velocities are known half a step later and have felt the stresses for half a step by
-//! then: the nodes meet half of them first ([`Leapfrog::meet_half`]), which makes elastic waves exact at Courant number 1 from the
-//! start. The scheme's balance of energy counts whole steps; [`Leapfrog::complete_initial`] therefore puts the velocities half a step
-//! before t = 0 where a whole step of these stresses would have begun. Where forces act along the bar, the nodes start half a step before
-//! t = 0 and take the whole step ([`super::implicit::Implicit::start_under`]).
+//! What held the bar is removed at t = 0. Velocities are known half a step later, and the stresses have acted on them for half a step by
+//! then: the nodes first receive half of the stresses ([`Leapfrog::meet_half`]), which makes elastic waves exact at Courant number 1 from
+//! the start. The scheme's balance of energy counts whole steps; [`Leapfrog::complete_initial`] therefore sets the velocities half a step
+//! before t = 0 to those from which a whole step under these stresses would have begun. With distributed forces, the nodes start half a
+//! step before t = 0 and take the whole step ([`super::implicit::Implicit::start_under`]).
 
 use super::block::{Block, STEPS_WITHOUT_FLOW};
 use super::edge::last;
@@ -12,7 +12,7 @@ use super::leapfrog::Leapfrog;
 use crate::bar::Bar;
 
 impl Leapfrog {
-    /// The initial stresses, and the states of cells that have yielded or are warm: means over the cells.
+    /// Sets the initial stresses, and the states of cells that have yielded or are warm, to means over the cells.
     pub(super) fn set_initial(&mut self, bar: &Bar) {
         for block in &mut self.blocks {
             let (segment, part) = (&bar.segments[block.segment], &self.grid.segments[block.segment]);
@@ -29,7 +29,8 @@ impl Leapfrog {
         }
     }
 
-    /// Before the nodes meet: they meet half of the initial stresses, those inside the blocks here.
+    /// Halves the initial stresses and advances the nodes inside the blocks with them. The nodes at the edges are advanced next, with the
+    /// same stresses.
     pub(super) fn meet_half(&mut self) {
         for block in &mut self.blocks {
             block.sigma.iter_mut().for_each(|sigma| *sigma *= 0.5);
@@ -41,7 +42,7 @@ impl Leapfrog {
         }
     }
 
-    /// After the nodes met half the initial stresses: the whole of them.
+    /// Restores the full initial stresses, after all nodes were advanced with half of them.
     pub(super) fn complete_initial(&mut self, bar: &Bar) {
         for contact in &mut self.contacts {
             let [left, right] = [contact.edge, contact.edge + 1].map(|k| &self.blocks[k].sigma);
@@ -62,7 +63,7 @@ impl Leapfrog {
 }
 
 impl Block {
-    /// Gives a cell its law's state; from now on the block has plastic state.
+    /// Sets the law's state of a cell; the block has plastic state from then on.
     fn set_state(&mut self, cell: usize, state: &[f64]) {
         if self.is_elastic() {
             self.start_plastic(state.len());

@@ -17,7 +17,7 @@ use super::taper::BlockTaper;
 use crate::bar::{Bar, EndCondition, SuddenLoads};
 use crate::solver::{EndSample, Energies, StartingFan};
 
-/// What a bar logged, step by step.
+/// Log of a bar, step by step.
 pub struct Log<'a> {
     /// The watched cells.
     pub cells: Vec<LoggedCell<'a>>,
@@ -25,23 +25,23 @@ pub struct Log<'a> {
     pub ends: [&'a [EndSample]; 2],
 }
 
-/// What a bar logged of a cell.
+/// Log of a cell.
 #[derive(Clone, Copy)]
 pub struct LoggedCell<'a> {
-    /// From the cell's first row on; rows of one step follow each other.
+    /// Rows from the cell's first one on; rows of one step follow each other.
     rows: &'a [[f64; WATCHED.len()]],
     cells: usize,
 }
 
 impl LoggedCell<'_> {
-    /// Stress (Pa), strain, velocity (m/s) and temperature (K) after so many of the logged steps and one more.
+    /// Returns stress (Pa), strain, velocity (m/s) and temperature (K) after the logged step number `steps`, counted from 0.
     #[inline]
     pub fn after(&self, steps: usize) -> &[f64; WATCHED.len()] {
         &self.rows[steps * self.cells]
     }
 }
 
-/// A bar being stepped. Between steps: stresses at `time()`, velocities half a step later.
+/// Bar on the staggered grid. Between steps it has the stresses at `time()` and the velocities half a step later.
 pub struct Leapfrog {
     pub(super) grid: Grid,
     pub(super) laws: Vec<SegmentLaw>,
@@ -52,19 +52,19 @@ pub struct Leapfrog {
     pub(super) left: EndNode,
     pub(super) right: EndNode,
     pub(super) step: usize,
-    /// Threads that it may be stepped on.
+    /// Number of threads on which the bar may be stepped.
     threads: usize,
-    /// Elastic blocks may be carried as waves: otherwise every cell is stepped.
+    /// Whether elastic blocks may be carried as waves; otherwise every cell is stepped.
     travels: bool,
     /// Blocks of which something is logged in every step, if anything is.
     watched: Option<Vec<usize>>,
-    /// Where and when the bar breaks; none where it never does.
+    /// Fracture criteria and fractures; `None` for a bar that never fractures.
     pub(super) rupture: Option<Box<Breaking>>,
-    /// The nodes, where something acts along the bar.
+    /// The nodes, if distributed forces act along the bar.
     pub(super) implicit: Option<Box<Implicit>>,
-    /// What suddenly moved ends start with.
+    /// Fans with which suddenly loaded ends and joints start.
     pub(super) fans: Vec<StartingFan>,
-    /// Energy that ends gave for that, or the bar had, and the nodes did not get, J; without the share of shocks.
+    /// Energy that ends gave for these fans, or the bar had, and that the nodes did not receive, J; without the share of shocks.
     pub(super) lost_to_fans: f64,
     /// Exact states of suddenly loaded ends and joints.
     pub(super) sudden: SuddenLoads,
@@ -73,7 +73,8 @@ pub struct Leapfrog {
 }
 
 impl Leapfrog {
-    /// A bar at t = 0, unstressed, moving as its segments say. `laws` has one entry a segment.
+    /// Creates a bar at t = 0 with the initial velocities of its segments and, if there are any, their initial stresses. `laws` has one
+    /// entry per segment.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, ends: [EndCondition; 2]) -> Self {
         let mut leapfrog = Self::before_start(bar, grid, laws, ends);
         let stressed = bar.has_initial_state();
@@ -89,8 +90,8 @@ impl Leapfrog {
         leapfrog
     }
 
-    /// The same with what acts along the bar; without joints that can open. A bar along which nothing acts is the plain one. There is no
-    /// artificial viscosity: ends account for no impulses but those of the nodes.
+    /// As [`Self::new`], with distributed forces along the bar and without joints that can open. If no force acts, it is the plain bar.
+    /// There is no artificial viscosity, as the ends account only for the impulses of the nodes.
     pub fn with_along(
         bar: &Bar,
         grid: Grid,
@@ -180,25 +181,25 @@ impl Leapfrog {
         }
     }
 
-    /// The same bar, none of which is carried as waves: every cell is stepped. That is slower and differs by rounding only.
+    /// Returns the bar with every cell stepped and none of it carried as waves. This is slower, and differs by rounding only.
     #[must_use]
     pub fn in_cells(self) -> Self {
         Self { travels: false, ..self }
     }
 
-    /// How many parts are swept side by side, and for how many steps in one go.
+    /// Returns the number of parts that are swept in parallel, and the number of steps in one sweep.
     fn division(&self) -> (usize, usize) {
         let at_work = if self.threads == 1 { 0 } else { self.blocks.iter().filter(|block| !block.at_rest()).count() };
         division(at_work, self.threads)
     }
 
-    /// One step: stresses from velocities, then velocities from stresses. Allocates nothing, but for the plastic
-    /// state of a block in the step in which it first yields, and for the waves of one that is carried as such from then on.
+    /// Advances by one step: stresses from velocities, then velocities from stresses. Allocates no memory, except for the plastic state of
+    /// a block in the step in which it first yields, and for the waves of a block that starts to be carried as waves.
     pub fn advance(&mut self) {
         self.advance_by(1);
     }
 
-    /// So many steps. The bits are those of single ones; many at once are quicker, see `sweep.rs`.
+    /// Advances by `steps` steps. The bits are those of single steps; many at once are faster, see `sweep.rs`.
     pub fn advance_by(&mut self, steps: usize) {
         if !self.sweeps() {
             return (0..steps).for_each(|_| self.advance_together());
@@ -220,14 +221,14 @@ impl Leapfrog {
         self.show_waves();
     }
 
-    /// Brings the cells of blocks that are carried as waves up to date, for reading.
+    /// Updates the cells of blocks that are carried as waves, for reading.
     fn show_waves(&mut self) {
         for block in &mut self.blocks {
             block.show_waves(self.constants[block.segment].velocity_gain);
         }
     }
 
-    /// A step in which every block waits for all others.
+    /// Takes a step in which every block waits for all others.
     fn advance_together(&mut self) {
         Scratch::lend(|scratch| self.step_with(scratch));
     }
@@ -255,8 +256,8 @@ impl Leapfrog {
         self.whole().note_all();
     }
 
-    /// The same bar, each node of which starts with the velocity (m/s) at its place (m). For a bar at t = 0 with free ends, all
-    /// of one piece.
+    /// Returns the bar with each node starting at the velocity (m/s) at its position (m). For a bar at t = 0 with free ends and without
+    /// joints that can open.
     #[must_use]
     pub fn moving(mut self, velocity: impl Fn(f64) -> f64) -> Self {
         let at = |node: usize| velocity(self.grid.node(node));
@@ -271,7 +272,7 @@ impl Leapfrog {
         self
     }
 
-    /// The whole bar as the stages of a step see it.
+    /// Returns the whole bar as a subdomain.
     fn whole(&mut self) -> Subdomain<'_> {
         Subdomain {
             common: Common {
@@ -291,12 +292,12 @@ impl Leapfrog {
         }
     }
 
-    /// True where several steps can go in one.
+    /// Returns true if several steps can be taken in one sweep.
     pub fn sweeps(&self) -> bool {
         self.rupture.is_none() && self.implicit.is_none()
     }
 
-    /// Logs these cells (in increasing order), and the ends, in every step from now on. For a bar that [`Self::sweeps`].
+    /// Logs these cells (in increasing order), and the ends, in every step from now on. Only for a bar that [`Self::sweeps`].
     pub fn watch(&mut self, cells: &[usize]) {
         for &cell in cells {
             let k = self.blocks.partition_point(|b| b.cells.end <= cell);
@@ -310,7 +311,7 @@ impl Leapfrog {
         }
     }
 
-    /// What was logged since [`Self::clear_log`].
+    /// Returns what was logged since [`Self::clear_log`].
     pub fn log(&self) -> Log<'_> {
         let mut logged = Vec::new();
         for block in &self.blocks {
@@ -320,14 +321,14 @@ impl Leapfrog {
         Log { cells: logged, ends: [self.left.log(), self.right.log()] }
     }
 
-    /// Starts the log anew, in the memory of the old one.
+    /// Clears the log, and keeps its memory.
     pub fn clear_log(&mut self) {
         self.blocks.iter_mut().for_each(|block| block.log.clear());
         self.left.clear_log();
         self.right.clear_log();
     }
 
-    /// All nodes at once, where something acts along the bar.
+    /// Advances all nodes together, if distributed forces act along the bar.
     fn advance_nodes(&mut self) {
         let time = self.time();
         if let Some(nodes) = &mut self.implicit {
@@ -336,7 +337,7 @@ impl Leapfrog {
         self.share_nodes();
     }
 
-    /// Gives blocks and the nodes between them their velocities.
+    /// Copies the velocities of the nodes to the blocks and to the edges between them.
     fn share_nodes(&mut self) {
         let Some(nodes) = &self.implicit else { return };
         for block in &mut self.blocks {
@@ -350,7 +351,7 @@ impl Leapfrog {
         }
     }
 
-    /// Gives both neighbours of every edge its velocity.
+    /// Copies the velocity of every edge to both neighbours.
     pub(super) fn share_edges(&mut self) {
         for (k, edge) in self.edges.iter().enumerate() {
             self.blocks[k].set_edge(1, edge.after);
@@ -366,43 +367,43 @@ impl Leapfrog {
         self.blocks[right_end].set_edge(1, self.right.velocity_after());
     }
 
-    /// Steps taken.
+    /// Returns the number of steps taken.
     pub fn step(&self) -> usize {
         self.step
     }
 
-    /// Time of the stresses, s.
+    /// Returns the time of the stresses, s.
     pub fn time(&self) -> f64 {
         self.step as f64 * self.grid.dt
     }
 
-    /// The grid.
+    /// Returns the grid.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// The left end.
+    /// Returns the left end.
     pub fn left(&self) -> &EndNode {
         &self.left
     }
 
-    /// The right end.
+    /// Returns the right end.
     pub fn right(&self) -> &EndNode {
         &self.right
     }
 
-    /// The left and the right end after the latest step.
+    /// Returns samples of the left and the right end after the latest step.
     pub fn end_samples(&self) -> [EndSample; 2] {
         let elastic = [&self.blocks[0], &self.blocks[self.blocks.len() - 1]].map(Block::is_elastic);
         [self.left.sample(elastic[0]), self.right.sample(elastic[1])]
     }
 
-    /// The joints that can open, from left to right.
+    /// Returns the joints that can open, from left to right.
     pub fn contacts(&self) -> impl Iterator<Item = ContactState> {
         self.contacts.iter().map(Contact::state)
     }
 
-    /// True while no cell has yielded: only the elastic kernel has run.
+    /// Returns true while no cell has yielded: only the elastic kernel has run.
     pub fn stayed_elastic(&self) -> bool {
         self.blocks.iter().all(|b| b.stage != Stage::Plastic)
     }

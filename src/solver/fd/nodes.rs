@@ -1,25 +1,25 @@
-//! The nodes between blocks and at the ends of the bar, for reading.
+//! Read access to the nodes between blocks and at the ends of the bar.
 
 use super::contact::Contact;
 use super::edge::Edge;
 use super::end_node::EndNode;
 
-/// The nodes at the edges of neighbouring blocks, as they can be read.
+/// Nodes at the edges of neighbouring blocks, for reading.
 #[derive(Clone, Copy)]
 pub(super) struct Nodes<'a> {
     /// Number of the first block.
     pub first: usize,
-    /// Those between the blocks.
+    /// Nodes between the blocks.
     pub edges: &'a [Edge],
     /// Joints that can open among them.
     pub contacts: &'a [Contact],
-    /// Those at the bar's ends, where the blocks have them.
+    /// Nodes at the ends of the bar, if the blocks include them.
     pub ends: [Option<&'a EndNode>; 2],
 }
 
 impl Nodes<'_> {
-    /// Velocities at the time of the stresses of the nodes at the left and right edge of block `k`, counted from the first, m/s;
-    /// not a number where the blocks do not have the node.
+    /// Returns the velocities (m/s), at the time of the stresses, of the nodes at the left and right edge of block `k`, counted from the
+    /// first; NaN if the blocks do not include the node.
     pub fn beside(self, k: usize) -> [f64; 2] {
         let end_node = |end: Option<&EndNode>| end.map_or(f64::NAN, EndNode::velocity);
         [0, 1].map(|side| match k + side {

@@ -1,6 +1,6 @@
-//! The readable quantities of a bar.
+//! Quantities that can be read from a bar.
 
-/// What can be read in a cell.
+/// Quantity in a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
     /// Engineering stress, Pa, tension positive.
@@ -14,6 +14,6 @@ pub enum Quantity {
     PlasticStrain,
     /// Accumulated plastic strain, >= 0.
     AccumulatedPlasticStrain,
-    /// Temperature, K; not a number without the effect of heat.
+    /// Temperature, K; NaN without the effect of heat.
     Temperature,
 }

@@ -1,7 +1,7 @@
 //! Active and quiescent cells of a block.
 //!
-//! A piece of [`CHUNK`] cells rests where another step would change no bit of it: its nodes move alike, their forces move
-//! none of them, and the law gives back what it has. That is looked at exactly, so that leaving the piece out changes nothing.
+//! A piece of [`CHUNK`] cells is at rest if another step would change no bit of it: its nodes have equal velocities, their forces do not
+//! change these, and the law returns the same state. This is checked exactly, so that skipping the piece changes nothing.
 
 use std::ops::Range;
 
@@ -10,22 +10,22 @@ use super::signals::{Signals, inner_nodes};
 use crate::law::CHUNK;
 
 impl Block {
-    /// Nothing is computed until a node at the edges moves.
+    /// Returns true if nothing needs to be computed until a node at the edges changes its velocity.
     pub fn at_rest(&self) -> bool {
         self.active.is_empty()
     }
 
-    /// The cells at the left (0) or right (1) edge are at rest.
+    /// Returns true if the cells at the left (0) or right (1) edge are at rest.
     pub fn rests_at(&self, side: usize) -> bool {
         self.at_rest() || if side == 0 { self.active.start > 0 } else { self.active.end < self.sigma.len() }
     }
 
-    /// Sets all cells to work.
+    /// Activates all cells.
     pub fn wake(&mut self) {
         self.active = 0..self.sigma.len();
     }
 
-    /// Gives the node at the left (0) or right (1) edge its velocity.
+    /// Sets the velocity of the node at the left (0) or right (1) edge, and activates the cells there if it changes.
     pub fn set_edge(&mut self, side: usize, velocity: f64) {
         let cells = self.sigma.len();
         let node = side * cells;
@@ -38,8 +38,8 @@ impl Block {
             if self.at_rest() { piece } else { self.active.start.min(piece.start)..self.active.end.max(piece.end) };
     }
 
-    /// Finds the cells that the next step has to compute, by the way in which signals travel; false where there are none. Every
-    /// step of a block's stresses starts with this.
+    /// Finds the cells that the next step has to compute, depending on how far signals travel. Returns false if there are none. Every step
+    /// of a block's stresses starts with this.
     pub fn find_active(&mut self, law: BlockLaw<'_>, signals: Signals) -> bool {
         #[cfg(test)]
         if self.always_active {
@@ -55,7 +55,7 @@ impl Block {
         !self.at_rest()
     }
 
-    /// Sets all cells to work if the nodes differ anywhere; whether they do.
+    /// Activates all cells if the velocities of the nodes differ anywhere. Returns whether they do.
     pub fn wake_if_strained(&mut self) -> bool {
         let strained = self.v.iter().any(|v| *v != self.v[0]);
         if strained {
@@ -64,7 +64,7 @@ impl Block {
         strained
     }
 
-    /// Activates the pieces next to the active ones if the node between has moved: a signal comes no farther in a step.
+    /// Activates the pieces next to the active ones if the nodes at their border move differently; a signal travels no farther in a step.
     pub fn widen(&mut self) {
         let (Range { start, end }, cells) = (self.active.clone(), self.sigma.len());
         if start > 0 && self.v[start] != self.v[start - 1] {
@@ -75,7 +75,7 @@ impl Block {
         }
     }
 
-    /// Lets the outer pieces at work come to rest where they have.
+    /// Deactivates the outer active pieces that have come to rest.
     fn narrow(&mut self, law: BlockLaw<'_>) {
         while !self.at_rest() {
             let Range { start, end } = self.active;
@@ -92,8 +92,8 @@ impl Block {
         self.impulses_at_edges = [0.0; 2];
     }
 
-    /// Whether these cells have come to rest: their nodes move alike, and neither these velocities nor the law change anything
-    /// in another step.
+    /// Returns whether these cells have come to rest: their nodes have equal velocities, and another step changes neither these nor the
+    /// law's state.
     fn settles(&mut self, cells: Range<usize>, law: BlockLaw<'_>) -> bool {
         let nodes = &self.v[cells.start..=cells.end];
         let v = nodes[0];
@@ -160,7 +160,7 @@ mod tests {
         }
     }
 
-    /// In each step steps the cells that rest beside the others, each block for itself: that must change none of them.
+    /// In every step, also advances the cells at rest, block by block: this must change none of them.
     fn assert_rest(mut bar: Leapfrog) {
         let (mut resting, mut yielded) = (0, 0);
         for step in 0..4000 {
@@ -210,7 +210,7 @@ mod tests {
         of(60, &|table| Arc::new(Rows::new(mixed(Indexed::new(table).expect("fits")))));
     }
 
-    /// Steps a bar beside another that takes all steps by the law: all bits must be the same.
+    /// Advances a bar together with another one that takes all steps by the law: all bits must be the same.
     fn assert_elastic_again(skipping: &mut Leapfrog, whole: &mut Leapfrog) {
         whole.blocks.iter_mut().for_each(|block| block.always_active = true);
         let (mut elastic, mut flows_again) = (0, 0);

@@ -1,4 +1,4 @@
-//! Reading many cells of a bar.
+//! Reading of many cells of a bar.
 
 use super::block::Block;
 use super::cell_value::{block_values, cell_value};
@@ -8,8 +8,8 @@ use super::quantity::Quantity;
 use super::segment::Constants;
 use crate::law::RowLaw;
 
-/// Reads one quantity, cell by cell. What the cells of a block have in common is looked up once for as long as they are read
-/// one after the other, in any order.
+/// Reads one quantity, cell by cell. Data that the cells of a block have in common are looked up once, as long as cells of the same block
+/// are read one after the other, in any order.
 pub struct Reader<'a> {
     bar: &'a Leapfrog,
     quantity: Quantity,
@@ -21,7 +21,7 @@ pub struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Of the bar as it stands.
+    /// Creates a reader of the bar in its current state.
     pub fn new(bar: &'a Leapfrog, quantity: Quantity) -> Self {
         Self::in_block(bar, quantity, 0)
     }
@@ -29,12 +29,12 @@ impl<'a> Reader<'a> {
     fn in_block(bar: &'a Leapfrog, quantity: Quantity, k: usize) -> Self {
         let block = &bar.blocks[k];
         let (law, constants) = (bar.laws[block.segment].law.as_ref(), &bar.constants[block.segment]);
-        // Nothing else reads them.
+        // Only the velocity depends on these.
         let outer = if quantity == Quantity::Velocity { nodes(bar).beside(k) } else { [f64::NAN; 2] };
         Self { bar, quantity, k, block, law, constants, outer }
     }
 
-    /// The quantity in all cells of the bar, into `out` (one entry a cell).
+    /// Computes the quantity in all cells of the bar, into `out` (one entry per cell).
     pub fn all(mut self, out: &mut [f64]) {
         if self.bar.implicit.is_some() {
             return out.iter_mut().enumerate().for_each(|(cell, out)| *out = self.value(cell));
@@ -45,7 +45,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The quantity in this cell of the bar.
+    /// Returns the quantity in this cell of the bar.
     #[inline]
     pub fn value(&mut self, cell: usize) -> f64 {
         if !self.block.cells.contains(&cell) {

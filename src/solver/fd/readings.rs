@@ -1,4 +1,4 @@
-//! Readings of a bar: fields, energies, cells beyond their data.
+//! Readings of a bar: fields, energies, and cells at limits of their data.
 
 use super::block::{Block, NodeMotion};
 use super::contact::Contact;
@@ -10,33 +10,34 @@ use crate::law::FirstPassed;
 use crate::solver::Energies;
 
 impl Leapfrog {
-    /// Mass of the bar, kg.
+    /// Returns the mass of the bar, kg.
     pub fn mass(&self) -> f64 {
         self.blocks.iter().map(|b| self.constants[b.segment].cell_mass * b.volume()).sum()
     }
 
-    /// Plastic state in memory, and that of the nodes where something acts along the bar, bytes.
+    /// Returns the memory of the plastic state, and of the nodes if distributed forces act along the bar, bytes.
     pub fn state_bytes(&self) -> usize {
         let blocks: usize = self.blocks.iter().map(|b| (b.state.len() + b.absorbed.len()) * size_of::<f64>()).sum();
         blocks + self.implicit.as_ref().map_or(0, |nodes| nodes.bytes())
     }
 
-    /// Impulse (N s in +x) that external damping and a foundation have given to the bar so far, and the sum of its sizes.
+    /// Returns the impulse (N s in +x) that external damping, friction and a foundation have given to the bar so far, and the sum of its
+    /// absolute values.
     pub fn impulse_along(&self) -> [f64; 2] {
         self.implicit.as_ref().map_or([0.0; 2], |nodes| nodes.impulse())
     }
 
-    /// A quantity in one cell.
+    /// Returns a quantity in one cell.
     pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
         Reader::new(self, quantity).value(cell)
     }
 
-    /// A quantity in every cell, into `out` (one entry a cell).
+    /// Computes a quantity in every cell, into `out` (one entry per cell).
     pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
         Reader::new(self, quantity).all(out);
     }
 
-    /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
+    /// Returns the displacement of every cell centre, m: that of the left end, plus the strain and the openings of joints up to the cell.
     pub fn displacements(&self) -> Vec<f64> {
         let mut strains = vec![0.0; self.grid.cells()];
         self.profile(Quantity::Strain, &mut strains);
@@ -56,7 +57,7 @@ impl Leapfrog {
         centres
     }
 
-    /// Energies and momentum at the current time. One pass over all cells.
+    /// Returns energies and momentum at the current time, in one pass over all cells.
     pub fn energies(&self) -> Energies {
         if let Some(nodes) = &self.implicit {
             let sums = nodes.sums();
@@ -89,7 +90,7 @@ impl Leapfrog {
         total
     }
 
-    /// What the grid filter has taken, J.
+    /// Returns the energy that the grid filter has taken, J.
     pub(super) fn taken_by_filter(&self) -> f64 {
         let blocks = self.blocks.iter().map(|block| 0.5 * self.constants[block.segment].cell_mass * block.damped);
         let edges = self.edges.iter().map(|edge| edge.damped);
@@ -98,13 +99,13 @@ impl Leapfrog {
         blocks.chain(edges).chain(joints).chain(ends).sum()
     }
 
-    /// The part of it that cells inside shocks lost, J.
+    /// Returns the part of that energy that cells inside shocks lost, J.
     pub(super) fn taken_in_shocks(&self) -> f64 {
         let blocks = self.blocks.iter();
         blocks.map(|block| self.constants[block.segment].cell_mass * block.shock_loss.dissipated()).sum()
     }
 
-    /// Strain energy and work of flow of a block.
+    /// Adds the strain energy and the work of flow of a block.
     fn add_material(&self, total: &mut Energies, block: &Block) {
         let (c, law) = (&self.constants[block.segment], self.laws[block.segment].law.as_ref());
         let over = c.cell_volume * block.overstress_work(law) / c.modulus;
@@ -117,7 +118,7 @@ impl Leapfrog {
         total.viscoplastic += (1.0 - heats) * over;
     }
 
-    /// The same where the nodes keep their own account.
+    /// As [`Self::energies`], if the nodes keep their own account.
     fn energies_with(&self, nodes: Energies) -> Energies {
         let mut total = nodes;
         total.half_step += self.left.in_transit() + self.right.in_transit() + self.lost_to_fans;
@@ -127,14 +128,14 @@ impl Leapfrog {
         total
     }
 
-    /// Masses of the nodes at the ends, kg.
+    /// Returns the masses of the nodes at the ends, kg.
     fn end_masses(&self) -> [f64; 2] {
         let (first, last) = (&self.blocks[0], &self.blocks[self.blocks.len() - 1]);
         [(first, 0), (last, last.sigma.len() - 1)]
             .map(|(block, cell)| 0.5 * (self.constants[block.segment].cell_mass * block.area(cell)))
     }
 
-    /// Kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
+    /// Returns the kinetic energy and momentum of the nodes with their initial velocities, before anything acts on them.
     pub fn initial(&self) -> Energies {
         debug_assert_eq!(self.step, 0);
         if let Some(initial) = self.initial_energy {
@@ -163,16 +164,16 @@ impl Leapfrog {
         total
     }
 
-    /// The cells that have come to a limit of what their law knows.
+    /// Returns the cells that have reached a limit of their law's data.
     pub fn passed(&self) -> FirstPassed {
         let mut all = FirstPassed::default();
         self.blocks.iter().for_each(|block| all.merge(&block.passed));
         all
     }
 
-    /// The first cell whose stress or state is not a finite number.
+    /// Returns the first cell whose stress or state is not a finite number.
     pub fn not_finite(&self) -> Option<usize> {
-        // What rests is finite.
+        // Cells at rest are finite.
         let in_block = |b: &Block| {
             let bad = |column: &[f64]| column[b.active.clone()].iter().position(|value| !value.is_finite());
             let columns = std::iter::once(&b.sigma[..]).chain(b.state.chunks_exact(b.sigma.len()));
@@ -182,10 +183,11 @@ impl Leapfrog {
     }
 }
 
-/// Adds nodes to the balance, by the sums over them of the products and of the squared sums of their velocities half a step before and
-/// after, and of these sums, times `mass` (kg).
+/// Adds nodes of mass `mass` (kg) to the balance, from sums over them: of the products of their velocities half a step before and after, of
+/// the sums of both, and of the squares of these.
 ///
-/// The scheme conserves m v- v+/2; that of the mean velocity, m (v- + v+)^2/8, is the kinetic energy, and the rest of either sign.
+/// The scheme conserves m v- v+/2. The kinetic energy is that of the mean velocity, m (v- + v+)^2/8; the difference, of either sign, is in
+/// `half_step`.
 fn add_nodes(total: &mut Energies, mass: f64, nodes: NodeMotion) {
     let kinetic = 0.125 * mass * nodes.squares;
     total.kinetic += kinetic;

@@ -1,13 +1,13 @@
-//! Rupture on the staggered grid: the node next to a cell that meets the criterion is split into two free faces.
+//! Fracture on the staggered grid: the node next to a cell that meets the criterion is split into two free faces.
 //!
-//! A bar parts at one of the two nodes of the cell that is first to break: at an end that pulls it or a joint, where it
-//! has one, else towards the neighbour that is nearer to breaking. The tension falls at once, so that parting takes no
-//! energy and changes no momentum; the faces are those of a joint that carries no tension, and can meet again.
+//! A bar separates at one of the two nodes of the first cell that meets the criterion: at a joint, or an end that pulls it, if the cell has
+//! one, otherwise towards the neighbour that is nearer to fracture. The tension drops at once, so that fracture takes no energy and changes
+//! no momentum. The faces are those of a joint that carries no tension, and can come into contact again.
 //!
-//! A grid sees tension build up over whole cells, and frees it as late: what has broken a place runs on from it as a pulse
-//! some cells long. Such a pulse would break the bar again wherever it goes, as would those that faces send that meet or
-//! part. So a place that has not yielded breaks only where its neighbours have come to the threshold, too; in a place
-//! that flows no pulse can have done that.
+//! On a grid, tension builds up over whole cells and is released with the same delay: the tension that has fractured a place travels on as
+//! a pulse some cells long. Such a pulse would fracture the bar again wherever it goes, as would the pulses from faces that meet or
+//! separate. A place that has not yielded therefore fractures only if its neighbours have reached the threshold, too. A place that flows
+//! needs no such condition, since no pulse can have made it flow.
 
 use std::cmp::Ordering;
 
@@ -21,31 +21,32 @@ use crate::law::LANES;
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Site, Strained};
 use crate::solver::StartingFan;
 
-/// The wave that frees a broken place is behind the one that would break the next cell too, where both run with the
-/// elastic speed. No cell breaks that is this near to that wave, measured in cells.
+/// The wave that releases a fractured place follows the wave that would fracture the next cell too, where both travel at the elastic speed.
+/// No cell fractures within these distances behind and ahead of the releasing wave, in cells.
 const BEHIND: f64 = 2.0;
 const AHEAD: f64 = 4.0;
 
-/// Next to a suddenly moved end that does not start with its fan a cell keeps too much plastic strain, by 12 % in the first of a bilinear bar and
-/// 0.5 % in the third. So many cells at an end that pulls have to go so far beyond a threshold of strain or energy.
+/// Number of cells at an end that pulls which must exceed a threshold of strain or energy by the factor [`OVERSHOOT`]. Next to a suddenly
+/// moved end that does not start with its fan, cells keep too much plastic strain: 12 % in the first cell of a bilinear bar, 0.5 % in the
+/// third.
 pub const NEAR_END: usize = 2;
-/// See [`NEAR_END`].
+/// Factor by which the cells of [`NEAR_END`] must exceed the threshold.
 pub const OVERSHOOT: f64 = 1.2;
 
-/// No piece has fewer cells than this.
+/// Smallest number of cells of a piece.
 const SHORTEST: f64 = 4.0;
 
-/// Cells on either side of one that has not yielded that must have come to the threshold with it. What runs on from a
-/// rupture is half as long as what had to be there, and a cell: 4 cells, when 5 are asked for.
+/// Number of cells on either side of a cell that has not yielded which must have reached the threshold with it. The pulse that travels on
+/// from a fracture is half as long as the tension that was required, plus one cell: 4 cells if 5 are required.
 const SUSTAINED: usize = 2;
 
-/// Cells that must have come to the threshold together for a bar to break that has not yielded there.
+/// Number of neighbouring cells that must have reached the threshold together to fracture a bar that has not yielded there.
 pub const CELLS_TO_BREAK: usize = 2 * SUSTAINED + 1;
 
-/// Relative difference of stresses and strains that is rounding.
+/// Relative difference of stresses and strains up to which they count as equal.
 const EQUAL: f64 = 1e-9;
 
-/// A cell that meets its criterion, and how far beyond it is.
+/// Cell that meets its criterion, and by which factor it exceeds it.
 #[derive(Debug, Clone, Copy)]
 struct Due {
     block: usize,
@@ -54,8 +55,8 @@ struct Due {
 }
 
 impl Leapfrog {
-    /// The same bar, which breaks where it meets one of these criteria. For a bar at t = 0, at the left and right end of which strain gathers without
-    /// bound or not.
+    /// Returns the bar with fracture where it meets one of these criteria. For a bar at t = 0; `above_critical` tells whether strain grows
+    /// without bound at the left and right end.
     #[must_use]
     pub fn that_breaks(mut self, criteria: Criteria, above_critical: [bool; 2]) -> Self {
         for block in &mut self.blocks {
@@ -67,13 +68,13 @@ impl Leapfrog {
         self
     }
 
-    /// The ruptures so far, in order of time.
+    /// Returns the fractures so far, in order of time.
     pub fn ruptures(&self) -> &[Rupture] {
         self.rupture.as_ref().map_or(&[], |breaking| &breaking.found)
     }
 
-    /// The largest tension beyond the threshold that was too short on this grid to break the bar, unless it broke there; none in a bar
-    /// that broke elsewhere before: pulses that a rupture sends out on a grid are as short.
+    /// Returns the largest tension above the threshold that acted over too few cells of this grid to fracture the bar. `None` if the bar
+    /// fractured near there. Only tension before the first fracture counts, since the pulses from a fracture are as short.
     pub fn unresolved_tension(&self) -> Option<Unresolved> {
         let breaking = self.rupture.as_ref()?;
         breaking.unresolved.filter(|place| {
@@ -83,7 +84,7 @@ impl Leapfrog {
         })
     }
 
-    /// Breaks the bar wherever that is due after this step.
+    /// Fractures the bar wherever a criterion is met after this step.
     pub(super) fn break_where_due(&mut self) {
         let Some(mut breaking) = self.rupture.take() else { return };
         while let Some(due) = self.most_overdue(&mut breaking) {
@@ -92,7 +93,7 @@ impl Leapfrog {
         self.rupture = Some(breaking);
     }
 
-    /// Keeps a cell that meets its criterion and may not break.
+    /// Records a cell that meets its criterion but may not fracture.
     fn note_unresolved(&self, breaking: &mut Breaking, due: &Due) {
         let largest = breaking.unresolved.map_or(0.0, |place| place.share);
         if breaking.found.is_empty() && due.share > largest {
@@ -102,7 +103,7 @@ impl Leapfrog {
         }
     }
 
-    /// The cell that is farthest beyond its criterion, if one is.
+    /// Returns the cell that exceeds its criterion by the largest factor, if any does.
     fn most_overdue(&self, breaking: &mut Breaking) -> Option<Due> {
         let (mut free, mut held): (Vec<Due>, Option<Due>) = (Vec::new(), None);
         for (k, block) in self.blocks.iter().enumerate() {
@@ -131,10 +132,11 @@ impl Leapfrog {
         first
     }
 
-    /// Of cells that are due the one farthest beyond its criterion breaks first; of equal ones, as on a level part of the curve, the one that
-    /// has flowed most, then the one nearest to the middle of the bar, then the one on the side of which more is near to breaking. Never the
-    /// one that comes first in memory, since the mirrored bar breaks at the mirrored place: each rule compares with the largest value of all,
-    /// as values that are equal to rounding, pair by pair along the bar, may differ from its one end to the other.
+    /// Returns which of the cells that are due fractures first: the one that exceeds its criterion most; of equal ones, as on a level part
+    /// of the curve, the one that has flowed most, then the one nearest to the middle of the bar, then the one on whose side the bar is
+    /// nearer to fracture. The order in memory never decides, since the mirrored bar must fracture at the mirrored place. Each rule
+    /// compares with the largest value of all: in a chain of values that are equal to rounding pair by pair, the two ends of the bar may
+    /// still differ.
     fn first_to_break(&self, breaking: &Breaking, mut due: Vec<Due>) -> Option<Due> {
         let flowed = |due: &Due| {
             let block = &self.blocks[due.block];
@@ -149,8 +151,8 @@ impl Leapfrog {
         Some(if self.right_is_nearer(breaking, cell(&left), cell(&right)) { right } else { left })
     }
 
-    /// Of places that are alike: going on from cell `left` to the left and from cell `right` to the right, the right side is the first that is
-    /// nearer to breaking.
+    /// Returns whether, going from cell `left` to the left and from cell `right` to the right through equally loaded places, the first
+    /// place that differs is nearer to fracture on the right side.
     fn right_is_nearer(&self, breaking: &Breaking, left: usize, right: usize) -> bool {
         let share = |cell: usize| {
             let (k, i) = self.block_of(cell);
@@ -160,7 +162,7 @@ impl Leapfrog {
         pairs.into_iter().find_map(|(left, right)| larger(share(right), share(left))).unwrap_or(false)
     }
 
-    /// A quick look at a whole block.
+    /// Returns false if a quick check of the whole block shows that no cell can fracture.
     fn can_break(&self, block: &Block, criterion: &Criterion, notch: Notch) -> bool {
         let ease = notch.largest() * (1.0 + 1e-9);
         if block.stage == Stage::Elastic {
@@ -192,7 +194,7 @@ impl Leapfrog {
         criterion.share(&self.place(k, i))
     }
 
-    /// Notch factors of the joints at both edges of block `k`, 1 where there is none.
+    /// Returns the notch factors of the joints at both edges of block `k`, 1 if there is no joint.
     fn edge_notch(&self, breaking: &Breaking, k: usize) -> Notch {
         let segment = self.blocks[k].segment;
         let joints = &breaking.criteria.joints;
@@ -201,8 +203,8 @@ impl Leapfrog {
         Notch([if at_left { joints[segment - 1] } else { 1.0 }, if at_right { joints[segment] } else { 1.0 }])
     }
 
-    /// A cell that has yielded breaks by strain or energy only while it flows, any other where its tension is no mere pulse;
-    /// none breaks next to a wave that is about to free it.
+    /// Returns whether a cell that meets its criterion may fracture. A cell that has yielded fractures by strain or energy only while it
+    /// flows; any other cell only if its tension is not a mere pulse. No cell fractures next to a wave that is about to release it.
     fn may_break(&self, breaking: &Breaking, due: &Due) -> bool {
         let block = &self.blocks[due.block];
         let law = self.laws[block.segment].law.as_ref();
@@ -227,8 +229,7 @@ impl Leapfrog {
         })
     }
 
-    /// What the scheme may have put on top of the strain or work of a cell, as a factor: nothing where the steps resolve the
-    /// rate of flow.
+    /// Returns the factor by which the scheme may have overestimated the strain or work of a cell; 1 if the steps resolve the rate of flow.
     fn overshoot(&self, breaking: &Breaking, due: &Due) -> f64 {
         if self.blocks[due.block].flow[due.cell] == 0.0 {
             return 1.0;
@@ -240,8 +241,9 @@ impl Leapfrog {
         if near { OVERSHOOT } else { 1.0 }
     }
 
-    /// Both neighbours of a cell on either side have come to the threshold, too: across nodes that hold together, and at an
-    /// end that pulls as in a mirror. Beyond a joint it is the force that has: sections and materials differ there.
+    /// Returns whether the neighbours of a cell on both sides, [`SUSTAINED`] each, have reached the threshold, too. The nodes between them
+    /// must be intact; at an end that pulls, the cells on the bar's side are sufficient. Beyond a joint the forces are compared, as
+    /// sections and materials differ there.
     fn is_sustained(&self, breaking: &Breaking, due: &Due) -> bool {
         let block = &self.blocks[due.block];
         let criterion = &breaking.criteria.segments[block.segment];
@@ -264,13 +266,13 @@ impl Leapfrog {
         !reaches_end && to_left.chain(to_right).all(|met| met)
     }
 
-    /// Of a cell, N, tension positive.
+    /// Returns the force in a cell, N, tension positive.
     fn force(&self, k: usize, i: usize) -> f64 {
         let block = &self.blocks[k];
         block.sigma[i] * block.area(i) * self.constants[block.segment].area
     }
 
-    /// The block of a cell, and the cell's place in it.
+    /// Returns the block of a cell, and the position of the cell in it.
     fn block_of(&self, cell: usize) -> (usize, usize) {
         let k = self.blocks.partition_point(|b| b.cells.end <= cell);
         (k, cell - self.blocks[k].cells.start)
@@ -319,8 +321,8 @@ impl Leapfrog {
         self.end_fans(segment, site);
     }
 
-    /// Ends the fans that a fracture in a segment, or at its end or joint, takes from their course. Those of a joint are imposed once more, in which its sides
-    /// get back what they owe; what those of an end owe, the end has given.
+    /// Ends the fans that a fracture in their segment, or at its end or joint, invalidates. Those of a joint are imposed once more, and its
+    /// sides then give back the impulse that they owe. What those of an end owe is recorded as an impulse of the end.
     fn end_fans(&mut self, segment: usize, site: Site) {
         let beside = |fan: &StartingFan| match site {
             Site::Joint(k) => fan.segment == k || fan.segment == k + 1,
@@ -342,7 +344,7 @@ impl Leapfrog {
         });
     }
 
-    /// The node at which the bar parts: numbers of nodes are those of the cells to their right.
+    /// Returns the node at which the bar separates. A node has the number of the cell to its right.
     fn node_to_part(&self, breaking: &Breaking, due: Due) -> usize {
         let block = &self.blocks[due.block];
         let cell = block.cells.start + due.cell;
@@ -376,7 +378,7 @@ impl Leapfrog {
         self.grid.segments.iter().any(|part| part.cells.end == node)
     }
 
-    /// Nothing holds together there: two faces, or an end that does not pull.
+    /// Returns whether nothing holds the bar together at a node: two faces, or an end that does not pull.
     fn is_parted(&self, breaking: &Breaking, node: usize) -> bool {
         if node == 0 {
             return breaking.ends_gone[0] || !self.left.pulls();
@@ -387,7 +389,7 @@ impl Leapfrog {
         self.contacts.iter().any(|contact| contact.cell == node)
     }
 
-    /// Splits a node in two faces that start with its velocity half a step before the current time.
+    /// Splits a node into two faces that start with its velocity half a step before the current time.
     fn part(&mut self, node: usize) {
         let mut k = self.blocks.partition_point(|b| b.cells.end < node);
         let at = node - self.blocks[k].cells.start;
@@ -404,7 +406,7 @@ impl Leapfrog {
         self.share_edges();
     }
 
-    /// Makes two blocks of block `k`, with an edge between them; the velocity of that node half a step before now, m/s.
+    /// Splits block `k` in two, with an edge between them. Returns the velocity of that node half a step before the current time, m/s.
     fn split_block(&mut self, k: usize, at: usize) -> f64 {
         let block = &mut self.blocks[k];
         let gain = self.constants[block.segment].velocity_gain;
@@ -419,14 +421,14 @@ impl Leapfrog {
     }
 }
 
-/// Whether `a` is the larger one; none where both are equal to rounding.
+/// Returns whether `a` is larger than `b`; `None` if both are equal to rounding.
 fn larger(a: f64, b: f64) -> Option<bool> {
     let rounding = (EQUAL * a.abs().max(b.abs())).min(f64::MAX);
     let equal = a == b || (a - b).abs() <= rounding;
     (!equal).then_some(a > b)
 }
 
-/// Those of which `value` is the largest, to rounding; in their order.
+/// Keeps the cells with the largest `value`, to rounding, in their order.
 fn keep_largest(due: &mut Vec<Due>, value: impl Fn(&Due) -> f64) {
     let largest = due.iter().map(&value).fold(f64::NEG_INFINITY, f64::max);
     due.retain(|due| larger(largest, value(due)).is_none());
@@ -452,7 +454,7 @@ fn largest(values: &[f64]) -> f64 {
     largest_of(values.len(), |i| values[i])
 }
 
-/// Largest of some values, 0 at the least, in lanes that the processor can take side by side.
+/// Returns the largest value, at least 0, with lanes that the processor evaluates in parallel.
 #[inline(always)]
 fn largest_of(count: usize, value: impl Fn(usize) -> f64) -> f64 {
     let mut top = [0.0_f64; LANES];

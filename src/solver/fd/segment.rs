@@ -7,35 +7,35 @@ use super::grid_filter::{Filter, Shocks};
 use crate::bar::Segment;
 use crate::law::{DataEnd, RowLaw};
 
-/// The law of one segment, as assembled from its material and the effects.
+/// Law of one segment, as assembled from its material and the effects.
 #[derive(Clone)]
 pub struct SegmentLaw {
-    /// Stepping law.
+    /// Law that advances the cells.
     pub law: Arc<dyn RowLaw>,
     /// Stress below which the law is elastic in both senses, Pa.
     pub yield_stress: f64,
-    /// Where its data end.
+    /// Where the data of the law end.
     pub end: DataEnd,
-    /// Which of its waves can be shocks.
+    /// Which of the segment's waves can be shocks.
     pub shocks: Shocks,
-    /// Accumulated plastic strains at which its curve stiffens, times E, ascending, in tension and in compression, Pa; none where it is followed
-    /// both ways.
+    /// Accumulated plastic strains at which the curve stiffens, times E, ascending, in tension and in compression, Pa; empty if the curve
+    /// is followed in both directions.
     pub stiffenings: [Arc<[f64]>; 2],
 }
 
-/// Part of the strain, and of the velocity in one cell, by which loading comes to where the curve stiffens, from which on waves can be shocks: a
-/// shock is spread over some four cells from the first step on.
+/// Fractions of the strain, and of the velocity difference in one cell, at which loading reaches the part of the curve that stiffens. Above
+/// them waves can be shocks: a shock is spread over about four cells from the first step on.
 const NEAR_STRAIN: f64 = 0.5;
 const NEAR_VELOCITY: f64 = 0.25;
 
 impl SegmentLaw {
-    /// E times the least accumulated plastic strain at which its curve stiffens, Pa; infinite where it does not.
+    /// Returns E times the smallest accumulated plastic strain at which the curve stiffens, Pa; infinite if it does not.
     pub(super) fn first_stiffening(&self) -> f64 {
         self.stiffenings.iter().filter_map(|knots| knots.first()).copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Waves can be shocks where E times the largest accumulated plastic strain is `reached` (Pa), or where the velocity changes by `gap` (m/s)
-    /// over a cell; always where the curve is followed both ways, and unloading waves are shocks.
+    /// Returns whether waves can be shocks: if E times the largest accumulated plastic strain is `reached` (Pa), or the velocity changes by
+    /// `gap` (m/s) over a cell. Always true if the curve is followed in both directions, so that unloading waves are shocks.
     pub(super) fn has_shocks(&self, reached: f64, gap: f64) -> bool {
         let Shocks { loading, unloading, velocity } = self.shocks;
         if loading == [0.0; 2] || unloading != [0.0; 2] {
@@ -51,26 +51,26 @@ pub(super) struct Constants {
     pub modulus: f64,
     pub stress_gain: f64,
     pub velocity_gain: f64,
-    /// rho A dx, kg; of a tapered segment with its mean area.
+    /// rho A dx, kg; with the mean area of a tapered segment.
     pub cell_mass: f64,
     /// A dx, m^3; likewise.
     pub cell_volume: f64,
     /// A, m^2; likewise.
     pub area: f64,
-    /// Cells that an elastic wave passes in a step.
+    /// Courant number: number of cells that an elastic wave crosses in a step.
     pub courant: f64,
-    /// Elastic waves cross a cell in just one step, so that a uniform block can be carried as waves.
+    /// Whether elastic waves cross a cell in exactly one step, so that a uniform block can be carried as waves.
     pub travels: bool,
-    /// Where waves can be shocks, and where not.
+    /// Filter where waves can be shocks, and where they cannot.
     shock_filter: Filter,
     filter: Filter,
 }
 
-/// Courant numbers that differ from 1 by no more are 1.
+/// Difference from 1 up to which a Courant number counts as 1.
 const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 
 impl Constants {
-    /// In steps of `dt` (s).
+    /// Computes the constants for steps of `dt` (s).
     pub fn new(segment: &Segment, part: &SegmentGrid, dt: f64, shocks: Shocks) -> Self {
         let (modulus, density, c0) = (segment.material.modulus, segment.material.density, segment.material.c0());
         let courant = c0 * dt / part.dx;
@@ -88,18 +88,18 @@ impl Constants {
         }
     }
 
-    /// The same with Love's lateral inertia of (nu r)^2 = `lateral` (m^2) in cells of `dx` (m), in which no waves are shocks.
+    /// Returns the constants with Love's lateral inertia of (nu r)^2 = `lateral` (m^2) in cells of `dx` (m), in which no waves are shocks.
     #[must_use]
     pub fn with_lateral(self, lateral: f64, dx: f64) -> Self {
         Self { filter: self.filter.with_mass(1.0 + 4.0 * lateral / (dx * dx)), ..self }
     }
 
-    /// Velocity difference of neighbouring nodes that is rounding, m/s.
+    /// Returns the velocity difference of neighbouring nodes that counts as a rounding error, m/s.
     pub fn rounding(&self) -> f64 {
         self.filter.rounding
     }
 
-    /// The filter of a block in which waves can be shocks, or cannot.
+    /// Returns the filter of a block in which waves can be shocks, or cannot.
     pub fn filter(&self, shocks: bool) -> &Filter {
         if shocks { &self.shock_filter } else { &self.filter }
     }

@@ -1,19 +1,20 @@
-//! How the cells of a grid are shared out over the segments of a bar.
+//! Distribution of the cells of a grid over the segments of a bar.
 //!
-//! All segments have one time step, the shortest transit of a cell times the Courant number. Where cells take longer to cross, the elastic waves
-//! of the scheme disperse: in a bar of two segments that are 1 and 2 long, 333 and 667 cells make the force of a wave overshoot by 10 % where
-//! 333 and 666 pass it on exactly. So the number of cells may differ from the one asked for.
+//! All segments have one time step, the shortest transit time of a cell times the Courant number. Where cells take longer to cross, the
+//! elastic waves of the scheme disperse: in a bar of two segments with lengths 1 and 2, the force of a wave overshoots by 10 % with 333 and
+//! 667 cells, and is transmitted exactly with 333 and 666. The number of cells may therefore differ from the requested one.
 
-/// Part by which it may.
+/// Largest relative difference from the requested number of cells.
 const NEARBY: f64 = 0.02;
 
-/// Cells of a segment by which it may at most: with so many to choose from there is hardly a better number.
+/// Largest difference in the number of cells of a segment: among so many numbers, a better one further away is unlikely.
 const MOST: usize = 100;
 
-/// Shortfalls of the mean Courant number are told apart by this.
+/// Resolution with which shortfalls of the mean Courant number are compared.
 const ALIKE: f64 = 1e-7;
 
-/// The cells of each segment, of these transit times (s), about `cells` in all: near that number those with the greatest mean Courant number.
+/// Returns the number of cells of each segment, about `cells` in all, for these transit times (s): near that number, those with the largest
+/// mean Courant number.
 pub(super) fn share_out(transits: &[f64], cells: usize) -> Vec<usize> {
     let total: f64 = transits.iter().sum();
     let asked = |transit: &f64| ((cells as f64 * transit / total).round() as usize).max(1);
@@ -32,12 +33,12 @@ pub(super) fn share_out(transits: &[f64], cells: usize) -> Vec<usize> {
     best.filter(|best| rank(best) < rank(&counts)).unwrap_or(counts)
 }
 
-/// The most cells that waves cross in no less than a time, `dt` (s).
+/// Returns the largest numbers of cells for which waves take at least `dt` (s) to cross a cell.
 fn exact_for(dt: f64, transits: &[f64]) -> Vec<usize> {
     transits.iter().map(|transit| ((transit / dt * (1.0 + ALIKE)) as usize).max(1)).collect()
 }
 
-/// Shortest transit of a cell, s.
+/// Returns the shortest transit time of a cell, s.
 fn shortest(transits: &[f64], counts: &[usize]) -> f64 {
     transits.iter().zip(counts).map(|(transit, &count)| transit / count as f64).fold(f64::INFINITY, f64::min)
 }

@@ -1,5 +1,5 @@
-//! What the grid filter takes inside shocks. It stands for what the shock dissipates, and is booked with the plastic work; elsewhere it is an
-//! error of the scheme.
+//! Energy that the grid filter takes inside shocks. It represents the dissipation of the shock, and is recorded with the plastic work;
+//! elsewhere it is an error of the scheme.
 
 use std::iter;
 
@@ -7,20 +7,21 @@ use super::block::Block;
 use super::segment::SegmentLaw;
 use super::sizes::MOST_CELLS;
 
-/// Cells of a shock on either side of the one in which the curve stiffens.
+/// Number of cells of a shock on either side of the one in which the curve stiffens.
 const REACH: usize = 4;
 
-/// Places of a block and beside it at which it is looked how far the curve was followed: every [`REACH`] cells.
+/// Largest number of places, in a block and beside it, at which the position on the curve is checked: every [`REACH`] cells.
 const MOST_PLACES: usize = MOST_CELLS.div_ceil(REACH) + 2;
 
-/// Which groups of [`REACH`] cells lie inside a shock or next to one.
+/// Groups of [`REACH`] cells that lie inside a shock or next to one.
 pub(super) struct InShock {
-    /// A stiffening knot lies between a place and the next one.
+    /// Whether a stiffening knot lies between a place and the next one.
     crossed: [bool; MOST_PLACES],
 }
 
 impl InShock {
-    /// For as many cells, from how many stiffening knots the cells at the places have passed.
+    /// Finds the shocks from the numbers of stiffening knots that the cells at the places have passed. Returns `None` if there are no
+    /// shocks.
     fn new(passed: impl Iterator<Item = usize>) -> Option<Self> {
         let mut crossed = [false; MOST_PLACES];
         let mut before = None;
@@ -37,7 +38,7 @@ impl InShock {
 }
 
 impl Block {
-    /// How many of the knots at which its curve stiffens a cell has passed.
+    /// Returns how many of the knots at which the curve stiffens a cell has passed.
     fn stiffenings(&self, law: &SegmentLaw, cell: usize) -> usize {
         if self.state.is_empty() {
             return 0;
@@ -46,19 +47,19 @@ impl Block {
         law.stiffenings[usize::from(self.stress(cell) < 0.0)].partition_point(|&knot| knot < accumulated)
     }
 
-    /// The same of the cell a shock's reach inside its left (0) or right (1) end.
+    /// As [`Self::stiffenings`], for the cell that is the reach of a shock inside the left (0) or right (1) edge of the block.
     pub fn stiffenings_inside(&self, law: &SegmentLaw, side: usize) -> usize {
         let depth = (REACH - 1).min(self.sigma.len() - 1);
         self.stiffenings(law, if side == 0 { depth } else { self.sigma.len() - 1 - depth })
     }
 
-    /// The same of the first (0) or the last (1) cell.
+    /// As [`Self::stiffenings`], for the first (0) or the last (1) cell.
     pub fn stiffenings_at_edge(&self, law: &SegmentLaw, side: usize) -> usize {
         self.stiffenings(law, if side == 0 { 0 } else { self.sigma.len() - 1 })
     }
 
-    /// Its cells inside shocks; `beside` are the [`Self::stiffenings_inside`] of both neighbours, where the segment ends
-    /// [`Self::stiffenings_at_edge`].
+    /// Returns the cells inside shocks, `None` if there are none. `beside` are the [`Self::stiffenings_inside`] of both neighbours or,
+    /// where the segment ends, [`Self::stiffenings_at_edge`].
     pub fn find_shocks(&self, law: &SegmentLaw, beside: [usize; 2]) -> Option<InShock> {
         if self.reached <= law.first_stiffening() && beside == [0; 2] {
             return None;
@@ -67,9 +68,9 @@ impl Block {
         InShock::new(iter::once(beside[0]).chain(own).chain([beside[1]]))
     }
 
-    /// Takes down what the filter, of these `impulses`, has just taken in cells inside shocks; `outer` are the velocities (m/s) of the nodes at
-    /// both edges. A cell loses its impulse times the velocity difference of its nodes at the time of the stresses, before and after the filter
-    /// in the mean, so that all cells together lose what all nodes do.
+    /// Records the energy that these `impulses` of the filter have just taken in cells inside shocks; `outer` are the velocities (m/s) of
+    /// the nodes at both edges. A cell loses its impulse times the velocity difference of its nodes at the time of the stresses, averaged
+    /// over the values before and after the filter, so that all cells together lose what all nodes lose.
     pub fn note_shocks(&mut self, shocks: &InShock, velocity_gain: f64, outer: [f64; 2], impulses: &[f64]) {
         let cells = self.sigma.len();
         let velocity = |node: usize| {
@@ -81,7 +82,7 @@ impl Block {
         self.shock_loss.note(inside.map(taken).sum());
     }
 
-    /// Adds what start fans changed in the work of the filter inside shocks, over the mass of a mean cell, (m/s)^2.
+    /// Adds the change by starting fans of the filter's work inside shocks, divided by the mass of a mean cell, (m/s)^2.
     pub fn note_lost_in_shocks(&mut self, lost: f64) {
         self.damped += 2.0 * lost;
         self.shock_loss.note(lost);

@@ -1,17 +1,17 @@
-//! The domain of influence of a step.
+//! Domain of influence of a step.
 
 use std::ops::Range;
 
 /// How far a signal travels in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Signals {
-    /// By a cell: nodes follow the stresses beside them.
+    /// By one cell: nodes follow the stresses beside them.
     ThroughCells,
     /// Any distance: the nodes of the whole bar are solved for together.
     ThroughNodes,
 }
 
-/// The nodes of these cells of a block, without those at its own edges.
+/// Returns the nodes of these cells of a block, without those at the edges of the block.
 pub(super) fn inner_nodes(cells: &Range<usize>, all: usize) -> Range<usize> {
     cells.start.max(1)..all.min(cells.end + 1)
 }

@@ -2,18 +2,19 @@
 
 use crate::law::CHUNK;
 
-/// Cells of a full block. Fixed, so that sums over blocks have the same bits whatever the number of threads.
+/// Number of cells of a full block. It is fixed, so that sums over blocks have the same bits for any number of threads.
 const BLOCK: usize = 256;
 
-/// Cells of the longest block.
+/// Number of cells of the longest block.
 pub(super) const MOST_CELLS: usize = 2 * BLOCK;
 
-/// Sizes of the blocks of a segment of so many cells, the same from right to left: full blocks, and in the middle what is
-/// left, in one or three blocks of more than half a full one and less than two. Only a short segment has a smaller one.
+/// Returns the sizes of the blocks of a segment with this many cells, symmetric about its middle: full blocks, and in the middle the
+/// remaining cells, in one or three blocks of more than half and less than twice the size of a full one. Only a short segment has a smaller
+/// block.
 pub(super) fn block_sizes(cells: usize) -> impl Iterator<Item = usize> {
     let pairs = cells.saturating_sub(BLOCK) / (2 * BLOCK);
     let middle = cells - 2 * BLOCK * pairs;
-    // Whole pieces, where that can be had.
+    // Whole pieces, if possible.
     let third = if middle < 2 * BLOCK { 0 } else { (middle / 3) / CHUNK * CHUNK };
     let middle = [third, middle - 2 * third, third].into_iter().filter(|&cells| cells > 0);
     let full = std::iter::repeat_n(BLOCK, pairs);

@@ -1,4 +1,4 @@
-//! The state of a bar on the staggered grid, for a checkpoint.
+//! Saves and restores the state of a bar on the staggered grid, for checkpoints.
 
 use super::end_node::EndNode;
 use super::leapfrog::Leapfrog;

@@ -1,19 +1,20 @@
 //! The first steps at an end or a joint that is suddenly set in motion.
 //!
-//! There the bar carries a centred fan of fronts, known exactly (see [`crate::wave::similarity`]), that is narrower than a few cells. A
-//! scheme that starts it from rest overshoots, and plastic flow keeps the excess in the first cells for good, at any resolution: 5 to
-//! 22 % of the strain. So until the slowest front has travelled [`crate::bar::START_CELLS`] cells the nodes inside the fan move as the
-//! exact solution does, its plastic fronts spread over [`RAMP`] cells: each node with the mean of its velocity over the step, so that every
-//! cell has just the mean of the strain.
+//! The bar there carries a centred fan of fronts, known exactly (see [`crate::wave::similarity`]), which is at first narrower than a few
+//! cells. A scheme that starts the fan from rest overshoots, and plastic flow keeps the excess in the first cells permanently, at any
+//! resolution: 5 to 22 % of the strain. Until the slowest front has travelled [`crate::bar::START_CELLS`] cells, the nodes inside the fan
+//! therefore move as in the exact solution, with its plastic fronts spread over [`RAMP`] cells: each node moves with the mean of its
+//! velocity over the step, so that every cell has exactly the mean of the strain.
 //!
-//! A striker at an end slows down. The unloading waves that this sends after the fan take its slowest fronts away; see [`crate::solver::unloading`].
+//! A striker at an end slows down. The unloading waves that follow the fan cancel its slowest fronts; see [`crate::solver::unloading`].
 //!
-//! That is an impulse on nodes. Its momentum comes from the end, or from the body there. At a joint there is nobody to give it: what the
-//! nodes on both sides get together, none but for the share that fronts have passed of single cells, they owe, and give back in
-//! the last step. Given back in every step, it made the force at contacts 2 % too large, or ran ahead of the waves. A prescribed stress gives its own
-//! impulse only, and a ball that of its approach: what the nodes get besides is owed in the same way.
+//! Imposing this motion is an impulse on the nodes. Its momentum comes from the end, or from the body there. At a joint nothing supplies
+//! it: the impulse on the nodes of both sides together, which is zero except for the fractions of single cells that fronts have passed, is
+//! owed by the nodes, and they give it back in the last step. Giving it back in every step made the force at contacts 2 % too large, or ran
+//! ahead of the waves. A prescribed stress supplies only its own impulse, and a ball only that of its approach: what the nodes receive in
+//! addition is owed in the same way.
 //!
-//! What all this takes from the energy, of first order in the cell size, is in `half_step`, but for the share of shocks.
+//! The energy that all this takes, of first order in the cell size, is in `half_step`, except for the share of shocks.
 
 use super::edge::{beside, last};
 use super::grid_filter;
@@ -21,34 +22,38 @@ use super::leapfrog::Leapfrog;
 use crate::bar::{Driver, EndCondition, InitialFan, Origin, SuddenLoads};
 use crate::solver::{EndState, Resolution, StartingFan};
 
-/// Cells over which fronts that are not elastic are spread, as the scheme itself spreads them: with this shape three from a tenth to nine tenths.
-/// With sharp ones the cells at which the scheme takes over keep some 1 % too much strain, as the first ones would without a start.
+/// Number of cells over which fronts that are not elastic are spread, as the scheme itself spreads them: with this shape, three cells from
+/// a tenth to nine tenths. With sharp fronts, the cells at which the scheme takes over keep about 1 % too much strain, like the first cells
+/// without a starting fan.
 const RAMP: f64 = 7.0;
 
-/// Of the stress, see [`Leapfrog::is_viscous`]. Largest excess of strain with the fan and without: 2 and 7 % at 0.12 (a foam), 1.1 and -0.1 % at
-/// 0.21 (copper), 4 and -0.1 % at 0.3 (the foam). At a shock of the foam 1.6 and 2.2 %, in its first cells 0.1 and 2 %.
+/// Fraction of the stress, see [`Leapfrog::is_viscous`]. The largest excess strain with the fan and without it is 2 and 7 % at 0.12 (a
+/// foam), 1.1 and -0.1 % at 0.21 (copper), 4 and -0.1 % at 0.3 (the foam). At a shock of the foam it is 1.6 and 2.2 %, in the first cells
+/// 0.1 and 2 %.
 const VISCOUS: f64 = 0.17;
 
-/// Part of the time for which a fan is followed that forces along the bar must leave it at an end that a stress drives. If they take it over earlier the end
-/// oscillates by more than without a fan: the force at a dashpot was 21 % too large after 0.07 of that time (without a fan 4 %), 3.5 % after 0.12, and
-/// 0.7 % after 0.2.
+/// Smallest fraction of the time for which a fan is followed that must pass before distributed forces change the fan, at an end that a
+/// stress drives. If they change it earlier, the end oscillates more than without a fan: the force at a dashpot was 21 % too large after
+/// 0.07 of that time (4 % without a fan), 3.5 % after 0.12, and 0.7 % after 0.2.
 const LEAST_LOADED: f64 = 0.15;
 
-/// Cells over which the slowest front of a fan after t = 0 must travel before it meets another wave, as that of a velocity that is reversed soon does. With
-/// 1 or 2 cells the strain was 9 to 11 % too large, without the fan 4 %; with 3 to 7 it is 2 to 4 %.
+/// Smallest number of cells over which the slowest front of a fan that starts after t = 0 must travel before it meets another wave, such as
+/// that of a velocity which soon reverses. If it travels 1 or 2 cells, the strain is 9 to 11 % too large, without the fan 4 %; if it
+/// travels 3 to 7 cells, 2 to 4 %.
 const LEAST_WIDE: f64 = 2.0;
 
-/// The same of a load that lessens, before it has taken its slowest fronts away. A stress on copper that is gone after 20 and 50 steps: the impulse was
-/// 22 and 3 % too large, and the strain 27 and 26 % too small, without the fan 76 and 62 %, as it is that of less than a cell.
+/// The same for a load that decreases, until it has cancelled the slowest fronts. For a stress on copper that vanishes after 20 and 50
+/// steps, the impulse was 22 and 3 % too large, and the strain 27 and 26 % too small; without the fan it was 76 and 62 % too small, as the
+/// strain extends over less than a cell.
 const LEAST_UNLOADED: f64 = 1.0;
 
-/// Nodes ahead of the first front that are held, too: the grid filter moves them.
+/// Number of nodes ahead of the first front that are imposed, too, as the grid filter moves them.
 const AHEAD: usize = 2;
 
 impl Leapfrog {
-    /// The same bar, the ends and joints of which start with these fans. For a bar at t = 0 whose laws follow the curves of the fans and take no
-    /// time. Passed over are fans that leave the bar elastic, those above critical, those of moving ends where viscosity alone keeps the first
-    /// cells from overshooting, and, where something acts along the bar, those of joints.
+    /// Returns the bar with these fans at its ends and joints. For a bar at t = 0 whose laws follow the curves of the fans and do not
+    /// depend on the strain rate. Skips fans that leave the bar elastic, those above critical, those of moving ends where viscosity alone
+    /// keeps the first cells from overshooting, and, if distributed forces act along the bar, those of joints.
     ///
     /// The first rows of the histories of the `ends` are the states just after t = 0. A bar that does not yield `at_once` is elastic then.
     #[must_use]
@@ -63,14 +68,14 @@ impl Leapfrog {
         }
         self.fans = initial_fans.iter().filter_map(|fan| self.starting_fan(fan)).collect();
         StartingFan::keep_whole_joints(&mut self.fans, self.grid.segments.len());
-        // Joints move with their fans from the start; what of that is energy the account begins with.
+        // Joints move with their fans from the start; the account begins with the energy of this motion.
         self.impose_fans();
         self.lost_to_fans = 0.0;
         self.initial_energy = self.initial_energy.map(|_| self.energies());
         self
     }
 
-    /// The same bar at t = 0, whose ends and joints are loaded like this.
+    /// Returns the bar with these sudden loads on its ends and joints. For a bar at t = 0.
     #[must_use]
     pub fn under_sudden_loads(mut self, loads: SuddenLoads) -> Self {
         for &(k, load, force) in &loads.joints {
@@ -83,12 +88,12 @@ impl Leapfrog {
         self
     }
 
-    /// Exact states of suddenly loaded ends and joints.
+    /// Returns the exact states of suddenly loaded ends and joints.
     pub fn sudden_loads(&self) -> &SuddenLoads {
         &self.sudden
     }
 
-    /// An end just after t = 0, if the bar is elastic there.
+    /// Returns the state of an end just after t = 0, if the bar is elastic there.
     fn elastic_start(&self, condition: &EndCondition, side: usize, yields_at_once: bool) -> Option<EndState> {
         let (end, block) = match side {
             0 => (&self.left, &self.blocks[0]),
@@ -124,15 +129,15 @@ impl Leapfrog {
         (!fan.only_origin || drives_alone).then_some(fan)
     }
 
-    /// The artificial viscosity for shocks keeps the first cells from overshooting: it adds more than a part [`VISCOUS`] of the stress that the
-    /// slowest front of the fan brings, which is no shock itself.
+    /// Returns whether the artificial viscosity for shocks keeps the first cells from overshooting: it does if it adds more than the
+    /// fraction [`VISCOUS`] of the stress of the slowest front of the fan, and that front is not a shock itself.
     fn is_viscous(&self, initial_fan: &InitialFan) -> bool {
         let (shocks, fan) = (self.laws[initial_fan.segment].shocks, &initial_fan.fan);
         let slowest = fan.edges.last().map_or(0.0, |edge| edge.speed);
         !initial_fan.shock && shocks.loading[initial_fan.sense.index()] * fan.velocity > VISCOUS * slowest
     }
 
-    /// Makes the nodes inside the fans move as the fans do in the step ahead.
+    /// Sets the nodes inside the fans to the motion of the fans in the step ahead.
     pub(super) fn impose_fans(&mut self) {
         let mut fans = std::mem::take(&mut self.fans);
         let mut joint: Option<&mut StartingFan> = None;
@@ -141,7 +146,7 @@ impl Leapfrog {
             match (fan.at_joint, joint.take()) {
                 (false, _) if step == 0 => self.start_growing(fan),
                 (false, _) => self.impose_at_end(fan),
-                // The fans of a joint follow each other, that of the left side first.
+                // The two fans of a joint are adjacent in the list, that of the left side first.
                 (true, Some(left)) => self.impose_at_joint(left, fan),
                 (true, None) => joint = Some(fan),
             }
@@ -151,11 +156,11 @@ impl Leapfrog {
         self.fans = fans;
     }
 
-    /// An end moves from the start as a fan does that grows there, none of which has come to any other node.
+    /// Starts an end with the motion of a fan that grows there; none of its fronts has reached another node yet.
     fn start_growing(&mut self, fan: &StartingFan) {
         let dt = self.grid.dt;
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
-        // Where forces act along the bar all nodes move together; it makes up for this step in the next one.
+        // With distributed forces all nodes move together; the end then makes up for this step in the next one.
         if fan.grows() && self.implicit.is_none() {
             end.start_moving(fan.moved(dt) / dt);
         }
@@ -180,7 +185,7 @@ impl Leapfrog {
         let gives_back = by_force && fan.ends_at(self.step);
         let Imposed { mut impulse, mass, mut energy } = self.impose_with_end(fan, 0.0, gives_back);
         if by_force {
-            // A force that is prescribed gives no more than its own impulse.
+            // A prescribed force gives no more than its own impulse.
             let owed = fan.owe(self.step, impulse);
             impulse = 0.0;
             if gives_back {
@@ -189,14 +194,14 @@ impl Leapfrog {
         }
         let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
         if by_ball {
-            // A narrow fan gives single cells more than its momentum, by as much as a light ball has.
+            // A narrow fan gives single cells more than its momentum; the excess can be as large as the momentum of a light ball.
             let filtered = end.given_to_filter();
             impulse = fan.owe(self.step, impulse + filtered) - filtered;
         } else if fan.driver == Driver::Stress && !by_force {
             end.carry(fan.means(0.0, time, dt)[1]);
         }
         let [given, taken] = end.give(impulse, fan.velocity_at_origin(time, dt));
-        // A load that comes within the step ahead has not come yet.
+        // A load that starts within the step ahead does not act yet.
         if time >= 0.0 {
             end.show(if by_ball { fan.stress_of_departed(time) } else { fan.stress_at_origin(time, dt) });
         }
@@ -210,13 +215,14 @@ impl Leapfrog {
         self.note_lost(given - energy);
     }
 
-    /// As [`Self::impose`], with the node of an end that does not prescribe its velocity.
+    /// As [`Self::impose`], including the node of an end that does not prescribe its velocity.
     fn impose_with_end(&mut self, fan: &StartingFan, shift: f64, all: bool) -> Imposed {
         let (time, dt) = (self.time() - fan.from, self.grid.dt);
         let mut imposed = self.impose(fan, shift, all);
         if fan.driver == Driver::Stress {
             let end = if fan.side == 0 { &mut self.left } else { &mut self.right };
-            // In the first step it moved as if the bar stayed elastic. It makes up for that, where no viscosity would make a shock of it.
+            // In the first step the end moved as if the bar stayed elastic. It makes up for the difference, unless viscosity would turn
+            // this into a shock.
             let change = if fan.only_origin {
                 fan.velocity_behind - fan.slowed(time + 0.5 * dt) - end.velocity_after()
             } else {
@@ -228,8 +234,9 @@ impl Leapfrog {
         imposed
     }
 
-    /// Notes energy (J) that ends gave, or the bar had, and the nodes did not get; less than 0: they got more. The fans undo what the filter has
-    /// just done to these nodes, so that its work is known only with this. The share that shocks have in that work is theirs here, too.
+    /// Records energy (J) that ends gave, or the bar had, and that the nodes did not receive; negative if they received more. The fans undo
+    /// what the filter has just done to these nodes, so that the work of the filter is known only together with this energy. Shocks have
+    /// the same share in it as in the work of the filter.
     fn note_lost(&mut self, lost: f64) {
         let in_shocks = self.taken_in_shocks();
         if in_shocks == 0.0 {
@@ -255,7 +262,7 @@ impl Leapfrog {
         }
     }
 
-    /// Lets the fans of a joint lose what the wave that starts them has lost.
+    /// Reduces the fans of a joint by what the wave that starts them has lost.
     fn follow_wave(&mut self, left: &mut StartingFan, right: &mut StartingFan) {
         let Some(k) = self.blocks.iter().position(|block| block.segment == right.segment) else { return };
         let (time, dt) = (self.time() - left.from, self.grid.dt);
@@ -263,15 +270,16 @@ impl Leapfrog {
             block.stop_travelling(self.constants[block.segment].velocity_gain);
         }
         let pair = &self.blocks[k - 1..=k];
-        // The joint moved like this half a step before the time of the stresses: the mean of what arrives then and half a step after it.
+        // Velocity of the joint half a step before the time of the stresses. With them it gives the mean of what arrives half a step before
+        // and half a step after that time.
         let before = left.velocity_at_origin(time - dt, dt);
         let stresses = [last(&pair[0].sigma), pair[1].sigma[0]];
         let [_, areas, _] = beside(pair, &self.constants, dt);
         StartingFan::follow_wave([left, right], self.step, [time, dt], stresses.map(|stress| [stress, before]), areas);
     }
 
-    /// Imposes the fans on a joint and on the nodes on both sides, faster by `shift` (m/s) at the joint, as far as `all` fronts have come or else as
-    /// they are imposed.
+    /// Imposes the fans on a joint and on the nodes on both sides, faster by `shift` (m/s) at the joint: as far as any front has travelled
+    /// if `all`, otherwise as far as the fans are imposed.
     fn impose_on_both(&mut self, left: &StartingFan, right: &StartingFan, shift: f64, all: bool) -> Imposed {
         let mut made = self.impose_on_joint([left, right], shift);
         for fan in [left, right] {
@@ -281,12 +289,12 @@ impl Leapfrog {
         made
     }
 
-    /// Impulse that nodes inside fans have got from nobody so far, N s in +x.
+    /// Returns the impulse that nodes inside fans have received from no source so far, N s in +x.
     pub(super) fn owed(&self) -> f64 {
         self.fans.iter().map(|fan| fan.owed).sum()
     }
 
-    /// Impulse and energy of the nodes at the joint between two fans, as [`Self::impose`].
+    /// Imposes two fans on the nodes at the joint between them. Returns impulse and energy as [`Self::impose`] does.
     fn impose_on_joint(&mut self, fans: [&StartingFan; 2], shift: f64) -> Imposed {
         let (time, dt) = (self.time() - fans[0].from, self.grid.dt);
         let velocities = fans.map(|fan| fan.means(0.0, time, dt)[0] + shift);
@@ -309,8 +317,8 @@ impl Leapfrog {
         imposed
     }
 
-    /// Impulse and energy that the nodes inside a fan get, faster by `shift` (m/s) at its origin and by less and less from there on, as far as `all` its
-    /// fronts have come or else as it is imposed.
+    /// Imposes a fan on the nodes inside it, faster by `shift` (m/s) at its origin and by less and less from there on: as far as any front
+    /// has travelled if `all`, otherwise as far as the fan is imposed. Returns the impulse and the energy of the nodes.
     fn impose(&mut self, fan: &StartingFan, shift: f64, all: bool) -> Imposed {
         let (time, dt) = (self.time() - fan.from, self.grid.dt);
         let (c, part) = (self.constants[fan.segment], &self.grid.segments[fan.segment]);
@@ -352,7 +360,7 @@ impl Leapfrog {
                 imposed.energy -= 0.5 * mass * grid_filter::node(velocity_increment, change, &mut block.v[i]);
             }
             block.note_undamped();
-            // The edge beyond it, where that is inside the segment.
+            // The edge beyond the block, if it is inside the segment.
             let edge = if fan.side == 0 { k } else { k.wrapping_sub(1) };
             let beyond = if fan.side == 0 { self.blocks[k].cells.end } else { self.blocks[k].cells.start };
             let inside =
@@ -367,26 +375,26 @@ impl Leapfrog {
     }
 }
 
-/// A bar along which forces act starts with this fan, on this grid.
+/// Returns whether a bar with distributed forces starts with this fan, on this grid.
 fn starts_beside_forces(fan: &InitialFan, grid: &Resolution) -> bool {
     let Resolution { dx, cells, wave_speed, .. } = *grid;
     let lasts = || fan.known_until(dx * cells as f64) >= LEAST_LOADED * fan.followed_for(dx, wave_speed);
     !matches!(fan.origin, Origin::Joint(_)) && (fan.driver != Driver::Stress || lasts())
 }
 
-/// What nodes get that are made to move.
+/// Totals over nodes whose motion is imposed.
 #[derive(Debug, Clone, Copy, Default)]
 struct Imposed {
-    /// N s in +x.
+    /// Impulse, N s in +x.
     impulse: f64,
-    /// Of the nodes, each as far as it is shifted, kg.
+    /// Mass of the nodes, each weighted with the fraction of the shift that it receives, kg.
     mass: f64,
-    /// J.
+    /// Energy, J.
     energy: f64,
 }
 
 impl Imposed {
-    /// A node of this mass (kg), shifted by this part, gets this change of velocity (m/s).
+    /// Adds a node of this mass (kg), which receives this fraction of the shift and this change of velocity (m/s).
     fn note(&mut self, mass: f64, change: f64, shifted: f64) {
         self.impulse += mass * change;
         self.mass += mass * shifted;
@@ -399,7 +407,7 @@ impl Imposed {
     }
 }
 
-/// The end behind a fan, where it holds just after t = 0.
+/// Returns the state of the end behind a fan, if the fan holds just after t = 0.
 fn behind(initial_fan: &InitialFan) -> Option<EndState> {
     let at_start = initial_fan.holds_until > 0.0 || initial_fan.loads_until == 0.0;
     let [stress, velocity] = initial_fan.state_behind().filter(|_| at_start)?;

@@ -1,16 +1,16 @@
 //! Flow up to the moment at which a sharp unloading wave stops it.
 //!
-//! Cells flow for whole steps. An unloading wave comes to the middle of a cell halfway through a step, all of which the scheme
-//! takes as elastic: half a step of flow is missing. Along a wave that runs to the right, with R = sigma - rho c0 v, the stress
-//! behind it changes by (d sigma + rho c0 dv)/2, where sigma and v are those ahead of it; the scheme changed it by rho c0 dv,
-//! which is -dR/2 more. Where the bar flows ahead of the wave, dR is -E times the plastic strain of a step. Summed over the
-//! cells of a plastic front, that is half of the front's jump, at any resolution: the wave overshot by 30 to 55 % and left
-//! stresses that alternate from cell to cell.
+//! Cells flow for whole steps. An unloading wave reaches the middle of a cell halfway through a step, and the scheme takes the whole step
+//! as elastic: half a step of flow is missing. Along a wave that travels to the right, with R = sigma - rho c0 v, the stress behind it
+//! changes by (d sigma + rho c0 dv)/2, where sigma and v are those ahead of it; the scheme changes it by rho c0 dv, which is -dR/2 more.
+//! Where the bar flows ahead of the wave, dR is -E times the plastic strain of a step. Summed over the cells of a plastic front, this is
+//! half of the front's jump, at any resolution: uncorrected, the wave overshot by 30 to 55 % and left stresses that alternate from cell to
+//! cell.
 //!
-//! The cell therefore flows on by half of the plastic strain of the step before, and then unloads, where it unloads by more than that: less is no
-//! sharp wave, and of a difference that is rounding the sign would matter. What this differs from half
-//! of dR is, from cell to cell along the wave, the difference of numbers that vanish before and behind the plastic front. The
-//! filter's viscosity acts on a flowing cell in the same way, so that its share is missing, too ([`Filter::missing_flow`]).
+//! The cell therefore first flows by half of the plastic strain of the step before, and then unloads, provided that it unloads by more than
+//! that: a smaller unloading is no sharp wave, and the sign of a difference within rounding must not matter. The difference between this
+//! correction and half of dR is, from cell to cell along the wave, the difference of quantities that vanish ahead of and behind the plastic
+//! front. The filter's viscosity acts on a flowing cell in the same way, so that its share is missing, too ([`Filter::missing_flow`]).
 //!
 //! [`Filter::missing_flow`]: super::grid_filter::Filter::missing_flow
 
@@ -23,7 +23,8 @@ use super::sizes::MOST_CELLS;
 use crate::law::{CHUNK, RowLaw, piece_flows};
 
 impl Block {
-    /// Lets cells flow on that flowed in the step before and unload in this one, by more than they are to flow on. `stopped` is set to them.
+    /// Continues the flow of cells that flowed in the step before and unload in this one, by more than the missing flow. `stopped` is set
+    /// to these cells.
     pub fn flow_on(&mut self, law: BlockLaw<'_>, stopped: &mut Vec<Stopped>) {
         stopped.clear();
         let missing_flow = law.filter.missing_flow();
@@ -44,10 +45,11 @@ impl Block {
         }
     }
 
-    /// Books their plastic work, after the step.
+    /// Records their plastic work, after the step.
     pub fn book_stopped(&mut self, law: &dyn RowLaw, stopped: &[Stopped]) {
         for &Stopped { cell, sigma: [before, after], plastic, plastic_after, work } in stopped {
-            // The step began at the stress before: that is what its mean stress is made of, also where the cell flows in the other sense at its end.
+            // The mean stress of the step is formed with the stress before this flow, also if the cell flows in the other sense at the end
+            // of the step.
             let later = law.plastic_strain(&self.state, cell) - plastic_after;
             let of_mean_stress = (before + self.sigma[cell]) * plastic + (before - after) * later;
             let area = self.area(cell);
@@ -60,7 +62,7 @@ impl Block {
     }
 }
 
-/// The cells that stop, as the bits of a number for each piece of [`CHUNK`] of them. `gain` is E dt/dx.
+/// Returns the cells that stop flowing, as the bits of one number for each piece of [`CHUNK`] cells. `gain` is E dt/dx.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn find_stopping(gain: f64, missing_flow: f64, flow: &[f32], v: &[f64]) -> [u64; MOST_CELLS / CHUNK] {
     let mut found = [0; MOST_CELLS / CHUNK];
@@ -75,7 +77,7 @@ fn find_stopping(gain: f64, missing_flow: f64, flow: &[f32], v: &[f64]) -> [u64;
         let (left, right) = (&left[..cells], &right[..cells]);
         for i in 0..cells {
             let flow = f64::from(flow[i]);
-            // Strained in the other sense, and by more.
+            // Strained in the other sense, by more than the missing flow.
             let stops = flow * (missing_flow * flow + gain * (right[i] - left[i])) < 0.0;
             *found |= u64::from(stops) << i;
         }

@@ -1,4 +1,4 @@
-//! The stages of a step on the blocks of a bar and the nodes between them; see [`super::sweep`] for their order.
+//! Stages of a step on the blocks of a bar and the nodes between them; see [`super::sweep`] for their order.
 
 use std::ops::Range;
 
@@ -11,37 +11,37 @@ use super::grid_filter::Beside;
 use super::nodes::Nodes;
 use super::segment::{Constants, SegmentLaw};
 
-/// What all blocks share and none changes.
+/// Data that all blocks share and that do not change during a sweep.
 #[derive(Clone, Copy)]
 pub(super) struct Common<'a> {
     pub laws: &'a [SegmentLaw],
     pub constants: &'a [Constants],
     pub dt: f64,
-    /// Blocks of the whole bar.
+    /// Number of blocks of the whole bar.
     pub blocks: usize,
-    /// Steps taken before this sweep.
+    /// Number of steps before this sweep.
     pub step: usize,
-    /// Elastic blocks may be carried as waves, see [`super::travelling`].
+    /// Whether elastic blocks may be carried as waves, see [`super::travelling`].
     pub travels: bool,
-    /// Blocks of which something is logged in every step, in order; none where nothing is, not even the ends.
+    /// Blocks of which something is logged in every step, in order; `None` if nothing is logged, not even the ends.
     pub watched: Option<&'a [usize]>,
 }
 
-/// Neighbouring blocks, the edges between them and what is at the bar's ends, as far as they have them.
+/// Neighbouring blocks, the edges between them, and the ends of the bar if the blocks include them.
 pub(super) struct Subdomain<'a> {
     pub common: Common<'a>,
     /// Number of the first block.
     pub first: usize,
     pub blocks: &'a mut [Block],
-    /// Edges between the blocks: one fewer.
+    /// Edges between the blocks, one fewer than blocks.
     pub edges: &'a mut [Edge],
-    /// Joints that can open, in order, those between the blocks.
+    /// Joints that can open between the blocks, in order.
     pub contacts: &'a mut [Contact],
     pub ends: [Option<&'a mut EndNode>; 2],
 }
 
 impl Subdomain<'_> {
-    /// The stresses alone of all blocks in a step.
+    /// Advances only the stresses of all blocks in a step.
     pub fn advance_stresses(&mut self, step: usize, scratch: &mut Scratch) {
         let common = self.common;
         for block in &mut *self.blocks {
@@ -50,7 +50,7 @@ impl Subdomain<'_> {
         }
     }
 
-    /// The stresses and the inner nodes of these blocks in a step.
+    /// Advances the stresses and the inner nodes of these blocks in a step.
     pub fn advance(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         let (common, blocks) = (self.common, self.local(blocks));
         for block in self.blocks[blocks].iter_mut().filter(|block| !block.at_rest()) {
@@ -59,7 +59,7 @@ impl Subdomain<'_> {
         }
     }
 
-    /// The nodes of these edges in a step, from the stresses on both sides.
+    /// Updates the nodes of these edges in a step, from the stresses on both sides.
     pub fn update_interfaces(&mut self, edges: Range<i64>, step: usize) {
         if edges.is_empty() {
             return;
@@ -123,7 +123,7 @@ impl Subdomain<'_> {
         }
     }
 
-    /// Block `k` meets shocks from now on, as it or a neighbour has come near the part of its curve that stiffens.
+    /// Returns whether block `k` meets shocks from this step on, as it or a neighbour has come near the part of its curve that stiffens.
     fn shocks_beside(&self, k: usize) -> bool {
         let Block { segment, meets_shocks, .. } = self.blocks[k];
         let law = &self.common.laws[segment];
@@ -131,7 +131,7 @@ impl Subdomain<'_> {
         !meets_shocks && near.iter().any(|block| block.segment == segment && law.has_shocks(block.reached, 0.0))
     }
 
-    /// Takes down what the filter, of these impulses, took in cells of block `k` inside shocks.
+    /// Records the energy that these impulses of the filter took in cells of block `k` inside shocks.
     fn note_shocks(&mut self, k: usize, impulses: &[f64]) {
         let segment = self.blocks[k].segment;
         let (law, c) = (&self.common.laws[segment], &self.common.constants[segment]);
@@ -141,7 +141,8 @@ impl Subdomain<'_> {
         }
     }
 
-    /// Velocities (m/s) at which the nodes at both edges of block `k` lose what its cells hand over by the filter, which changes them by `changes`.
+    /// Returns the velocities (m/s) of the nodes at both edges of block `k` which, times the impulses of the filter in its cells, are the
+    /// energy that the nodes lose. The filter changes the velocities by `changes`.
     fn velocities_damped(&self, k: usize, changes: [f64; 2]) -> [f64; 2] {
         let block = &self.blocks[k];
         let last = block.sigma.len() - 1;
@@ -154,7 +155,8 @@ impl Subdomain<'_> {
         })
     }
 
-    /// Block `k` is damped from the next step on if a neighbour is from this step on, so that blocks can be visited in any order.
+    /// Starts the filter of block `k` with the next step if a neighbour's acts in this step. The delay allows blocks to be visited in any
+    /// order.
     fn note_reach_of_filter(&mut self, k: usize, step: usize) {
         let damped =
             |k: Option<usize>| k.and_then(|k| self.blocks.get(k)).is_some_and(|block| block.damps_from <= step);
@@ -163,8 +165,8 @@ impl Subdomain<'_> {
         }
     }
 
-    /// The part of the damping of the nodes between blocks, and of those at the ends: these have half the mass, and so
-    /// twice the velocity change.
+    /// Applies the damping of the nodes between blocks, and of those at the ends. The latter have half the mass, and therefore twice the
+    /// velocity change.
     pub fn finish(&mut self, edges: Range<i64>) {
         if edges.is_empty() {
             return;
@@ -199,7 +201,7 @@ impl Subdomain<'_> {
         }
     }
 
-    /// Logs what is watched.
+    /// Logs what is watched in these blocks and at the ends.
     pub fn note(&mut self, blocks: Range<i64>) {
         let Some(watched) = self.common.watched.filter(|_| !blocks.is_empty()) else { return };
         for &k in watched.iter().filter(|&&k| blocks.contains(&(k as i64))) {
@@ -223,7 +225,7 @@ impl Subdomain<'_> {
             let ends = self.ends.each_ref().map(Option::as_deref);
             Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.beside(k)
         } else {
-            // Not read.
+            // Not read: no watched cell is at an edge of the block.
             [f64::NAN; 2]
         };
         let block = &mut self.blocks[k];
@@ -236,8 +238,8 @@ impl Subdomain<'_> {
         }
     }
 
-    /// What is next to block `k`: the nodes inside its neighbours, before they are damped, where these are of its own segment. At an end
-    /// that is not held the bar goes on as in a mirror.
+    /// Returns the neighbours of block `k` on both sides: the inner nodes of the neighbouring blocks before these are damped, if they
+    /// belong to the same segment. At an end that is not held the bar is continued by its mirror image.
     fn nodes_outside(&self, k: usize) -> [Beside; 2] {
         let block = &self.blocks[k];
         let gain = self.common.constants[block.segment].velocity_gain;
@@ -263,7 +265,8 @@ impl Subdomain<'_> {
         [left, right]
     }
 
-    /// How many stiffening knots of the curve the cells on both sides of block `k` have passed: its own where the segment ends.
+    /// Returns how many stiffening knots of the curve the cells on both sides of block `k` have passed; where the segment ends, its own
+    /// outermost cell is used.
     fn stiffenings_beside(&self, k: usize, law: &SegmentLaw) -> [usize; 2] {
         [(k.checked_sub(1), 1), (Some(k + 1), 0)].map(|(other, side)| {
             let other =
@@ -275,13 +278,13 @@ impl Subdomain<'_> {
         })
     }
 
-    /// Blocks by their place in the subdomain.
+    /// Converts block numbers to indices in the subdomain.
     fn local(&self, blocks: Range<i64>) -> Range<usize> {
         let at = |k: i64| (k as usize).saturating_sub(self.first);
         if blocks.is_empty() { 0..0 } else { at(blocks.start)..at(blocks.end) }
     }
 
-    /// The edges among these that lie between two blocks, by their place in the subdomain.
+    /// Returns the edges among these that lie between two blocks, as indices in the subdomain.
     fn inner(&self, edges: &Range<i64>) -> Range<usize> {
         let first = self.first as i64;
         let from = (edges.start - first - 1).max(0) as usize;
@@ -291,7 +294,7 @@ impl Subdomain<'_> {
 }
 
 impl<'a> Common<'a> {
-    /// Of a block, in a step.
+    /// Returns the data that a block needs in a step.
     fn law(self, block: &Block, step: usize) -> BlockLaw<'a> {
         let (law, constants) = (&self.laws[block.segment], &self.constants[block.segment]);
         BlockLaw {
@@ -307,7 +310,7 @@ impl<'a> Common<'a> {
     }
 }
 
-/// The blocks on both sides of edge `k`.
+/// Returns the blocks on both sides of edge `k`.
 fn pair(blocks: &mut [Block], k: usize) -> [&mut Block; 2] {
     let (left, right) = blocks.split_at_mut(k + 1);
     [&mut left[k], &mut right[0]]

@@ -1,46 +1,46 @@
-//! The order in which the blocks of a bar take their steps.
+//! The order in which the blocks of a bar are advanced.
 //!
-//! A step has five stages, each of a block or on the edge to its left (edges 0 and B of B blocks are the bar's ends):
+//! A step has five stages, each on a block or on the edge to its left (edges 0 and B of B blocks are the bar's ends):
 //!
-//! | stage | of | needs, of the same step |
+//! | stage | acts on | requires, of the same step |
 //! |---|---|---|
 //! | advance | a block: its stresses, then its inner nodes | the step before finished on both its edges |
 //! | `update_interfaces` | an edge: its node, from the stresses on both sides | both neighbours advanced |
-//! | damp | a block: the ripples of its inner nodes | both its edges met, both neighbours advanced |
+//! | damp | a block: the oscillations of its inner nodes | both its edges updated, both neighbours advanced |
 //! | finish | an edge: its node's share of the damping | both neighbours damped |
 //! | note | a block: what is logged of its cells | both its edges finished |
 //!
-//! So a bar need not take one step after the other: a few blocks that stay in the first-level cache take a step, then their
-//! neighbours two blocks to the left the next one, and so on, step after step; then the same for the blocks to the right,
-//! and a long bar comes through the cache once for many steps. On several threads each has a part of the bar, on which it
-//! steps inwards from what it does not know of its neighbours; the triangles that are left between two parts are then
-//! filled. Every stage gives the same in any order, and so is every bit of the result.
+//! The bar therefore need not complete one step before the next begins. A few blocks that stay in the first-level cache are advanced by one
+//! step, then their neighbours two blocks to the left by the next one, and so on, step after step; then the same is done for the blocks to
+//! the right. A long bar passes through the cache once for many steps. With several threads, each has a part of the bar, and advances a
+//! region that shrinks from step to step, as nothing is known of its neighbours; the triangles that remain between two parts are filled
+//! afterwards. Every stage gives the same result in any order, so that every bit of the result is the same.
 
 use std::ops::Range;
 
 use super::block::{Block, Scratch};
 use super::subdomain::Subdomain;
 
-/// Most steps in one go. Twice as many blocks pass through the second-level cache in that time.
+/// Largest number of steps in one sweep. Twice as many blocks pass through the second-level cache in that time.
 const DEPTH: usize = 32;
 
-/// Blocks that take a step before those to their left take the next one: as many as the first-level cache holds.
+/// Number of blocks that take a step before those to their left take the next one: as many as the first-level cache holds.
 const TILE: i64 = 8;
 
-/// Blocks that a stage of the next step stays behind this one's.
+/// Number of blocks by which a stage of the next step lags behind that of this step.
 const LAG: i64 = 2;
 
-/// Fewest blocks at work for a thread of its own: fewer cost less than to wake it.
+/// Smallest number of active blocks for a thread of its own; with fewer, waking the thread costs more than it saves.
 const PART: usize = 64;
 
-/// Blocks at work of a part for every step of a sweep: parts shrink by two blocks a step on either side, and the triangles between
-/// them, which fewer threads fill, are to be a small share.
+/// Smallest number of active blocks of a part per step of a sweep. Parts shrink by two blocks per step on either side, and the triangles
+/// between them, which fewer threads fill, are to be a small fraction.
 const PART_PER_STEP: usize = 16;
 
-/// Fewest blocks of a part for every step of a sweep, at rest or not: the triangles on both sides do not meet.
+/// Smallest number of blocks of a part per step of a sweep, active or not, so that the triangles on both sides do not meet.
 const LEAST_PER_STEP: usize = 8;
 
-/// How many parts of a bar with so many blocks at work are swept side by side on so many threads, and for how many steps in one go.
+/// Returns the number of parts in which a bar with this many active blocks is swept in parallel, and the number of steps in one sweep.
 pub(super) fn division(at_work: usize, threads: usize) -> (usize, usize) {
     match threads.min(at_work / PART) {
         0 | 1 => (1, DEPTH),
@@ -48,7 +48,7 @@ pub(super) fn division(at_work: usize, threads: usize) -> (usize, usize) {
     }
 }
 
-/// Time of a step of a block, in that of one that is carried as waves.
+/// Returns the cost of a step of a block, relative to one that is carried as waves.
 fn work(block: &Block) -> usize {
     match (block.at_rest(), block.waves.is_some(), block.is_elastic()) {
         (true, ..) => 0,
@@ -69,12 +69,12 @@ pub(super) struct StageRanges {
 }
 
 impl StageRanges {
-    /// Of blocks `a..z` where all to the left is done in this step, and nothing to the right.
+    /// Returns the stages for blocks `a..z` if everything to the left is done in this step, and nothing to the right.
     fn following(a: i64, z: i64) -> Self {
         Self { advance: a..z, update_interfaces: a..z, damp: a - 1..z - 1, finish: a - 1..z - 1, note: a - 2..z - 2 }
     }
 
-    /// Of a bar of `blocks` blocks, all.
+    /// Returns all stages of a bar of `blocks` blocks.
     pub fn all(blocks: i64) -> Self {
         Self {
             advance: 0..blocks,
@@ -85,13 +85,13 @@ impl StageRanges {
         }
     }
 
-    /// What can be done from block `a` on, where nothing is known of those to its left.
+    /// Returns the stages that can be computed from block `a` on if nothing is known of the blocks to its left.
     fn right_of(a: i64) -> Self {
         let end = i64::MAX;
         Self { advance: a..end, update_interfaces: a + 1..end, damp: a + 1..end, finish: a + 2..end, note: a + 2..end }
     }
 
-    /// What can be done up to block `z`, not included, where nothing is known of it.
+    /// Returns the stages that can be computed up to block `z`, not included, if nothing is known of it.
     fn left_of(z: i64) -> Self {
         let start = i64::MIN;
         Self {
@@ -103,7 +103,7 @@ impl StageRanges {
         }
     }
 
-    /// What is left between [`Self::left_of`] block `a` and [`Self::right_of`] block `z`.
+    /// Returns the stages that remain between [`Self::left_of`] block `a` and [`Self::right_of`] block `z`.
     fn between(a: i64, z: i64) -> Self {
         Self {
             advance: a..z,
@@ -126,35 +126,35 @@ impl StageRanges {
     }
 }
 
-/// The whole bar, stage by stage.
+/// Stages on the whole bar.
 impl Subdomain<'_> {
-    /// The stresses and inner nodes of all blocks in a step, and the nodes between them.
+    /// Advances the stresses and inner nodes of all blocks in a step, and the nodes between them.
     pub fn advance_all(&mut self, step: usize, scratch: &mut Scratch) {
         let StageRanges { advance, update_interfaces, .. } = StageRanges::all(self.common.blocks as i64);
         self.advance(advance, step, scratch);
         self.update_interfaces(update_interfaces, step);
     }
 
-    /// The edges of all blocks at t = 0.
+    /// Updates the edges of all blocks at t = 0.
     pub fn update_all_interfaces(&mut self) {
         self.update_interfaces(StageRanges::all(self.common.blocks as i64).update_interfaces, 0);
     }
 
-    /// The grid filter of the whole bar in a step.
+    /// Applies the grid filter to the whole bar in a step.
     pub fn damp_all(&mut self, step: usize, scratch: &mut Scratch) {
         let StageRanges { damp, finish, .. } = StageRanges::all(self.common.blocks as i64);
         self.damp(damp, step, scratch);
         self.finish(finish);
     }
 
-    /// Logs what is watched of the whole bar.
+    /// Logs what is watched in the whole bar.
     pub fn note_all(&mut self) {
         self.note(StageRanges::all(self.common.blocks as i64).note);
     }
 }
 
 impl Subdomain<'_> {
-    /// Takes the bar `steps` steps on in so many parts, as [`division`] allows.
+    /// Advances the subdomain by `steps` steps in `parts` parts, as [`division`] allows.
     pub fn sweep(&mut self, steps: usize, parts: usize) {
         if parts == 1 {
             return Scratch::lend(|scratch| self.sweep_tiles(steps, scratch));
@@ -171,7 +171,7 @@ impl Subdomain<'_> {
         });
     }
 
-    /// Where the first half of the parts ends, so that all have the same work: the number of blocks before it.
+    /// Returns the number of blocks in the first half of the parts for which all parts have the same work.
     fn fair_cut(&self, steps: usize, parts: usize) -> usize {
         let all: usize = self.blocks.iter().map(work).sum();
         let (share, mut done) = (all * (parts / 2) / parts, 0);
@@ -183,7 +183,7 @@ impl Subdomain<'_> {
         at.unwrap_or(blocks).clamp(least * (parts / 2), blocks - least * (parts - parts / 2))
     }
 
-    /// Two subdomains, without the edge between them.
+    /// Splits the subdomain in two, without the edge between them.
     fn split(&mut self, at: usize) -> [Subdomain<'_>; 2] {
         let (blocks, more_blocks) = self.blocks.split_at_mut(at);
         let (edges, more_edges) = self.edges.split_at_mut(at - 1);
@@ -210,7 +210,7 @@ impl Subdomain<'_> {
         ]
     }
 
-    /// All that can be done of these steps without knowing what is beyond the subdomain.
+    /// Computes everything of these steps that does not depend on what is beyond the subdomain.
     fn sweep_tiles(&mut self, steps: usize, scratch: &mut Scratch) {
         let (from, to) = (self.first as i64, (self.first + self.blocks.len()) as i64);
         let at_start = self.ends[0].is_some();
@@ -234,7 +234,7 @@ impl Subdomain<'_> {
         }
     }
 
-    /// The stages of step number `s` of this sweep, as far as the bar has them.
+    /// Computes the stages of step number `s` of this sweep, as far as the bar has them.
     fn compute(&mut self, s: usize, stages: &StageRanges, scratch: &mut Scratch) {
         let stages = stages.and(&StageRanges::all(self.common.blocks as i64));
         let step = self.common.step + s + 1;

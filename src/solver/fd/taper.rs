@@ -1,10 +1,10 @@
-//! Tapered segments: the cells of a block with varying section.
+//! Tapered segments: cells of a block with varying section.
 //!
-//! The momentum equation is rho A dv/dt = d(A sigma)/dx. A cell has the exact mean area A over its length; each of its nodes
-//! carries half of its mass. Between cells with the areas a and b a node of mass rho dx (a + b)/2 obeys
+//! The momentum equation is rho A dv/dt = d(A sigma)/dx. A cell has the exact mean area A over its length; each of its nodes carries half
+//! of its mass. Between cells with the areas a and b, a node of mass rho dx (a + b)/2 obeys
 //! `dv = dt/(rho dx) 2 (b sigma_b - a sigma_a)/(a + b) = dt/(rho dx) ((sigma_b - sigma_a) + k (sigma_b + sigma_a))` with
-//! k = (b - a)/(b + a): the uniform rule and a correction. Forces of cells are equal and opposite on their nodes, so that
-//! momentum and energy are balanced to round-off, and Courant number 1 stays stable, since no element's frequency rises.
+//! k = (b - a)/(b + a): the rule of a uniform segment plus a correction. The forces of a cell on its nodes are equal and opposite, so that
+//! momentum and energy are balanced to round-off. Courant number 1 remains stable, since no element's frequency rises.
 
 use std::ops::Range;
 
@@ -15,24 +15,24 @@ use super::SegmentGrid;
 use super::grid_filter;
 use crate::bar::Segment;
 
-/// Bytes that a cell of a tapered segment takes more than one of a uniform one.
+/// Additional memory per cell of a tapered segment, bytes.
 pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>();
 
-/// The sections of a block's cells.
+/// Sections of a block's cells.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct BlockTaper {
-    /// Area of each cell over the mean of the segment.
+    /// Area of each cell divided by the mean area of the segment.
     pub area: Vec<f64>,
-    /// k of each node inside the block: one fewer than cells.
+    /// k of each node inside the block, one fewer than cells.
     skew: Vec<f64>,
 }
 
 impl BlockTaper {
-    /// Of these cells of a segment (counted over the whole bar); none where the segment is uniform.
+    /// Computes the sections of these cells of a segment (counted over the whole bar). Returns `None` if the segment is uniform.
     pub fn of(segment: &Segment, part: &SegmentGrid, cells: &Range<usize>) -> Option<Box<Self>> {
         segment.taper.as_ref()?;
         let from = |cell: usize| (cell - part.cells.start) as f64 * part.spacing;
-        // The last border is the segment's end, whatever rounding makes of it.
+        // The last cell ends at the segment's end, whatever the rounding.
         let to = |cell: usize| from(cell + 1).min(segment.length);
         let area = cells.clone().map(|cell| segment.mean_area(from(cell), to(cell)) / segment.area).collect();
         Some(Box::new(Self::from_areas(area)))
@@ -43,30 +43,30 @@ impl BlockTaper {
         Self { area, skew }
     }
 
-    /// Takes the cells from `at` on away.
+    /// Splits off the cells from `at` on.
     pub fn split_off(&mut self, at: usize) -> Self {
         let right = self.area.split_off(at);
         *self = Self::from_areas(std::mem::take(&mut self.area));
         Self::from_areas(right)
     }
 
-    /// Velocity change of the node to the left of cell `i` (0 < i < cells) in a step.
+    /// Returns the velocity change in a step of the node to the left of cell `i` (0 < i < cells), m/s.
     pub fn velocity_increment(&self, gain: f64, sigma: &[f64], i: usize) -> f64 {
         velocity_increment(gain, self.skew[i - 1], sigma[i - 1], sigma[i])
     }
 
-    /// Mass of the node to the left of cell `i` (0 < i < cells) over the mean mass of a cell of the segment.
+    /// Returns the mass of the node to the left of cell `i` (0 < i < cells) divided by the mean mass of a cell of the segment.
     pub fn node_mass(&self, i: usize) -> f64 {
         0.5 * (self.area[i - 1] + self.area[i])
     }
 
-    /// Takes these nodes inside the block a step on.
+    /// Advances these nodes inside the block by a step.
     pub fn advance_velocity(&self, gain: f64, sigma: &[f64], v: &mut [f64], nodes: Range<usize>) {
         advance_velocity(gain, &self.skew, sigma, v, nodes);
     }
 
-    /// As [`grid_filter::apply_impulses`], to these nodes inside the block: the impulse of a cell is its mass times `impulses`.
-    /// The sum that is returned is weighted with the nodes' masses over the mean mass of a cell.
+    /// As [`grid_filter::apply_impulses`], in a tapered segment: the impulse of a cell is its mass times `impulses`. The returned sum is
+    /// weighted with the nodes' masses divided by the mean mass of a cell.
     pub fn apply_impulses(
         &self,
         gain: f64,

@@ -1,38 +1,41 @@
-//! Blocks that are elastic, or are so again, are carried as two waves, see [`super::waves`].
+//! Blocks that are elastic, or elastic again, are carried as two waves, see [`super::waves`].
 //!
-//! A step costs the same for any number of cells, until both waves together could reach the elastic limit somewhere in the block. A block begins
-//! with it when the nodes at both its edges have changed their velocity in as many steps as it has cells: where sharp waves pass, cells rest in
-//! between, which costs even less; and those that have yielded come to rest when what still changes is negligible.
+//! A step then costs the same for any number of cells, until both waves together could reach the elastic limit somewhere in the block. A
+//! block starts to be carried as waves when the nodes at both its edges have changed their velocity in as many steps as it has cells. If
+//! only sharp waves pass, cells are at rest in between, which costs even less; and blocks that have yielded come to rest when the remaining
+//! changes are negligible.
 
 use super::block::{Block, BlockLaw};
 use super::waves::Waves;
 
-/// Fewest cells of a block that are carried as waves: a few are as quickly stepped.
+/// Smallest number of cells of a block that is carried as waves; fewer cells are stepped as fast.
 const FEWEST_CELLS: usize = 16;
 
-/// Oscillations from cell to cell that the grid filter need not see, in terms of the elastic limit, in blocks that have not yielded and in those that
-/// have: a released copper bar keeps some of 1e-6 to 1e-4 for thousands of steps.
+/// Size of the oscillations from cell to cell that the grid filter may ignore, relative to the elastic limit, in blocks that have not
+/// yielded and in those that have: a released copper bar keeps oscillations of 1e-6 to 1e-4 for thousands of steps.
 const NEGLIGIBLE: [f64; 2] = [1e-6, 1e-3];
 
-/// Changes at the edges of a block that has yielded, from step to step, by which it is coming to rest, in terms of the yield stress.
+/// Changes from step to step at the edges of a block that has yielded, relative to the yield stress, up to which the block is coming to
+/// rest.
 const COMING_TO_REST: f64 = 1e-6;
 
-/// Largest part of its elastic limit at which a block that has yielded begins to be carried: behind a front cells stay at their limit.
+/// Largest stress at which a block that has yielded starts to be carried, relative to its elastic limit: behind a front, cells stay at
+/// their limit.
 const UNLOADED: f64 = 0.9;
 
-/// Stresses that decide whether a block is carried, Pa.
+/// Stresses that decide whether a block is carried as waves, Pa.
 struct Bounds {
-    /// Up to which its cells are known to be elastic; 0 where that is not known.
+    /// Stress up to which its cells are known to be elastic; 0 if unknown.
     elastic: f64,
-    /// Up to which it begins to be carried.
+    /// Stress up to which it starts to be carried.
     unloaded: f64,
-    /// Of oscillations that are negligible.
+    /// Size of oscillations that are negligible.
     oscillation: f64,
-    /// Of changes at its edges by which it is coming to rest.
+    /// Changes at its edges up to which it is coming to rest.
     rest: f64,
 }
 
-/// Four values of a wave, side by side, go up and down by more than is `negligible` (Pa).
+/// Returns whether four neighbouring values of a wave alternate from cell to cell by more than `negligible` (Pa).
 fn oscillates(wave: &[f64], negligible: f64, law: BlockLaw<'_>) -> bool {
     let [first, middle, last] = [0, 1, 2].map(|i| wave[i + 1] - wave[i]);
     middle.abs() > negligible
@@ -40,7 +43,7 @@ fn oscillates(wave: &[f64], negligible: f64, law: BlockLaw<'_>) -> bool {
 }
 
 impl Block {
-    /// Takes the step of a block that is carried as waves, or can be from now on. False where it cannot, and nothing is done.
+    /// Advances a block that is carried as waves, or can be from now on. Returns false without advancing it if it cannot be carried.
     pub fn travel(&mut self, law: BlockLaw<'_>) -> bool {
         if self.waves.is_none() && !self.starts_to_travel(law) {
             return false;
@@ -62,7 +65,7 @@ impl Block {
         goes_on
     }
 
-    /// Whether the block can still be carried as these waves with what comes in.
+    /// Returns whether the block can still be carried as these waves, with the incoming values.
     fn goes_on_travelling(&self, waves: &Waves, incoming: [f64; 2], law: BlockLaw<'_>) -> bool {
         let (damped, bounds) = (self.damps_from <= law.step, self.bounds(law));
         !self.needs_cells(law)
@@ -106,19 +109,19 @@ impl Block {
         Bounds { elastic, unloaded: elastic, oscillation: NEGLIGIBLE[0] * elastic, rest: 0.0 }
     }
 
-    /// Stresses up to `peak` (Pa) stay within `bound`, and are not near a limit of what the law knows: for blocks that have yielded, that is part of the
-    /// bound.
+    /// Returns whether stresses up to `peak` (Pa) stay within `bound` and are not near a limit of the law's data. For blocks that have
+    /// yielded, the bound takes account of the latter.
     fn stays_within(&self, bound: f64, peak: f64, law: BlockLaw<'_>) -> bool {
         peak <= bound && (self.is_plastic() || law.end.is_far_below_yield(peak, law.yield_stress))
     }
 
-    /// Every cell must be stepped: few cells, of various sections, or such that the filter takes shocks in them.
+    /// Returns whether every cell must be stepped: if the cells are few or of varying section, or if the filter treats shocks in them.
     fn needs_cells(&self, law: BlockLaw<'_>) -> bool {
         let takes_shocks = self.damps_from <= law.step && law.filter.takes_shocks();
         takes_shocks || self.sigma.len() < FEWEST_CELLS || self.taper.is_some()
     }
 
-    /// Goes on in cells; `gain` is 1/(rho c0).
+    /// Ends the treatment as waves, so that the cells are stepped again; `gain` is 1/(rho c0).
     pub fn stop_travelling(&mut self, gain: f64) {
         self.show_waves(gain);
         if self.waves.take().is_some() {
@@ -127,14 +130,14 @@ impl Block {
         }
     }
 
-    /// Brings stresses and velocities of a block that is carried as waves up to date.
+    /// Updates the stresses and velocities of a block that is carried as waves.
     pub fn show_waves(&mut self, gain: f64) {
         if let Some(waves) = &self.waves {
             waves.show(gain, &mut self.sigma, &mut self.v);
         }
     }
 
-    /// Brings the watched cells up to date, with what their velocities depend on.
+    /// Updates the watched cells, and the values on which their velocities depend.
     fn show_watched(&mut self, waves: &Waves, gain: f64) {
         for &cell in &self.watched {
             let shown = cell.saturating_sub(1)..=(waves.cells() - 1).min(cell + 1);

@@ -1,34 +1,34 @@
 //! The two elastic waves in a row of cells at Courant number 1.
 //!
-//! The scheme carries elastic waves exactly, a cell in a step. With f that runs to the right and g to the left,
+//! The scheme carries elastic waves exactly, one cell per step. With f travelling to the right and g to the left,
 //!
 //! ```text
 //! sigma_i = f_i + g_i,    rho c0 v_i = g_i - f_(i-1)
 //! ```
 //!
-//! where node i is to the left of cell i: d'Alembert's solution on the staggered grid. A step moves f and g on by a cell, and only what
-//! comes in at the two edges is new: f from the left node, g from the right one.
+//! where node i is to the left of cell i: d'Alembert's solution on the staggered grid. A step moves f and g by one cell. Only the values
+//! that enter at the two edges are new: f from the left node, g from the right one.
 
 use serde::{Deserialize, Serialize};
 
 use crate::elementary::{larger, lesser};
 
-/// The waves in a block, both as rho c0 times a velocity, Pa.
+/// Waves in a block, both as rho c0 times a velocity, Pa.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Waves {
-    /// f from left to right, from entry `cells - turn` on and then from the first one.
+    /// f from left to right, starting at index `cells - turn` and wrapping around.
     right: Vec<f64>,
-    /// g likewise, from entry `turn` on.
+    /// g likewise, starting at index `turn`.
     left: Vec<f64>,
-    /// Steps taken, less all whole turns.
+    /// Number of steps modulo the number of cells.
     turn: usize,
-    /// Of f and g, all that has been in the block since the latest turn but one began.
+    /// Ranges of f and g, over all values that have been in the block since the turn before the latest one began.
     spans: [Span; 2],
-    /// Of those, what came in since the latest turn began.
+    /// Ranges of the values that entered since the latest turn began.
     latest: [Span; 2],
 }
 
-/// Least and largest value.
+/// Smallest and largest value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Span {
     low: f64,
@@ -54,8 +54,8 @@ impl Span {
 }
 
 impl Waves {
-    /// Those under these stresses, between these nodes of `impedance` rho c0 (Pa s/m); the two outer nodes are not read. Both are found from
-    /// either side, so that a bar and its mirror image have the same bits.
+    /// Decomposes these stresses, and these velocities of nodes of `impedance` rho c0 (Pa s/m), into waves; the two outer nodes are not
+    /// read. Both waves are computed from either side and averaged, so that a bar and its mirror image have the same bits.
     pub fn of(impedance: f64, sigma: &[f64], v: &[f64]) -> Self {
         let last = sigma.len() - 1;
         let from_left = without_alternating_part(last + 1, |i| sigma[i] - impedance * v[i]);
@@ -74,7 +74,7 @@ impl Waves {
         self.right.len()
     }
 
-    /// f and g of cell i.
+    /// Returns f and g of cell i.
     #[inline(always)]
     fn at(&self, i: usize) -> [f64; 2] {
         let cells = self.cells();
@@ -82,25 +82,26 @@ impl Waves {
         [self.right[wrapped(i + cells - self.turn)], self.left[wrapped(i + self.turn)]]
     }
 
-    /// Stress of cell i, Pa.
+    /// Returns the stress of cell i, Pa.
     #[inline(always)]
     pub fn stress(&self, i: usize) -> f64 {
         let [f, g] = self.at(i);
         f + g
     }
 
-    /// Velocity of the node to the left of cell i, inside the block, m/s; `gain` is 1/(rho c0).
+    /// Returns the velocity of the node to the left of cell i, inside the block, m/s; `gain` is 1/(rho c0).
     pub fn velocity(&self, i: usize, gain: f64) -> f64 {
         gain * (self.at(i)[1] - self.at(i - 1)[0])
     }
 
-    /// What comes in at both edges in a step, at the left f and at the right g, where these nodes move at rho c0 times their velocity.
+    /// Returns the values that enter at both edges in a step, f at the left and g at the right; the arguments are rho c0 times the
+    /// velocities of the nodes there.
     #[inline(always)]
     pub fn incoming(&self, [first, last]: [f64; 2]) -> [f64; 2] {
         [self.left[self.turn] - first, self.right[self.cells() - 1 - self.turn] + last]
     }
 
-    /// Moves on by a step.
+    /// Moves the waves by one step, with these incoming values.
     #[inline(always)]
     pub fn take(&mut self, [f, g]: [f64; 2]) {
         let cells = self.cells();
@@ -115,7 +116,7 @@ impl Waves {
         }
     }
 
-    /// The stresses, and the velocities of the nodes inside the block; `gain` is 1/(rho c0).
+    /// Computes the stresses, and the velocities of the nodes inside the block; `gain` is 1/(rho c0).
     pub fn show(&self, gain: f64, sigma: &mut [f64], v: &mut [f64]) {
         let (cells, outer) = (self.cells(), v[0]);
         sigma.copy_from_slice(&self.right);
@@ -132,7 +133,7 @@ impl Waves {
         v[0] = outer;
     }
 
-    /// The outermost values of both with what comes in, outside first.
+    /// Returns the outermost values of both waves with the incoming ones, from the edge inwards.
     pub fn entering(&self, incoming: [f64; 2]) -> [[f64; 4]; 2] {
         let last = self.cells() - 1;
         let right = [0, 1, 2].map(|i| self.at(i)[0]);
@@ -140,34 +141,35 @@ impl Waves {
         [[incoming[0], right[0], right[1], right[2]], [incoming[1], left[0], left[1], left[2]]]
     }
 
-    /// Whether this is so of any four values side by side in one of them.
+    /// Returns whether `four` is true of any four neighbouring values of either wave.
     pub fn have(&self, four: impl Fn(&[f64]) -> bool) -> bool {
         self.right.windows(4).any(&four) || self.left.windows(4).any(&four)
     }
 
-    /// What comes in is between values that are there: [`Self::peak`] stays.
+    /// Returns whether the incoming values lie within the ranges of the waves, so that [`Self::peak`] does not change.
     #[inline(always)]
     pub fn span(&self, incoming: [f64; 2]) -> bool {
         self.spans[0].has(incoming[0]) && self.spans[1].has(incoming[1])
     }
 
-    /// Largest stress that both can have together, Pa.
+    /// Returns the largest absolute stress to which the two waves can add up, Pa.
     pub fn peak(&self) -> f64 {
         largest_sum(self.spans)
     }
 
-    /// The same with what comes in.
+    /// As [`Self::peak`], including the incoming values.
     pub fn peak_with(&self, incoming: [f64; 2]) -> f64 {
         largest_sum([0, 1].map(|wave| self.spans[wave].with(incoming[wave])))
     }
 }
 
-/// Largest size of the sum of two values within these spans.
+/// Returns the largest absolute value of the sum of two values within these ranges.
 fn largest_sum([a, b]: [Span; 2]) -> f64 {
     larger(a.high + b.high, -(a.low + b.low))
 }
 
-/// A wave of so many cells, each of which has with the one before the sum `pair`. That leaves open a part that alternates from cell to cell.
+/// Returns a wave of this many cells in which each value and the one before it add up to `pair`. These sums do not determine the part that
+/// alternates from cell to cell; it is removed.
 fn without_alternating_part(cells: usize, pair: impl Fn(usize) -> f64) -> Vec<f64> {
     let mut before = 0.0;
     let rest = (1..cells).map(|i| {
@@ -180,8 +182,8 @@ fn without_alternating_part(cells: usize, pair: impl Fn(usize) -> f64) -> Vec<f6
     wave
 }
 
-/// What of a wave alternates from cell to cell everywhere: the median of the fourth part of its second differences, each taken with the sense of
-/// its cell, as sharp waves have large ones in a few cells.
+/// Returns the part of a wave that alternates from cell to cell everywhere: the median of a quarter of its second differences, each with
+/// the sign of its cell. The median ignores sharp waves, which have large second differences in a few cells.
 fn alternating_part(wave: &[f64]) -> f64 {
     let sense = |i: usize| if i.is_multiple_of(2) { 0.25 } else { -0.25 };
     let own = |(i, w): (usize, &[f64])| sense(i) * (w[0] - 2.0 * w[1] + w[2]);

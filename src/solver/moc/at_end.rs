@@ -7,10 +7,10 @@ use super::nearness::{REST, same_motion};
 use crate::bar::ends::{Face, Relation, Response};
 use crate::wave::riemann::{Point, Side, solve};
 
-/// Longest step, in terms of the one that is wanted: it is extended up to here to end with the arrival of a front.
+/// Longest step relative to the wanted one: a step is extended up to this length to end with the arrival of a front.
 const LONGEST_STEP: f64 = 1.5;
 
-/// Most repeats until a body and a bar that flows agree: each is a step of Newton's method.
+/// Largest number of Newton iterations for a body and a bar that flows.
 const MOST_REPEATS: usize = 20;
 
 impl FrontTracking {
@@ -34,7 +34,7 @@ impl FrontTracking {
             end.record.above_critical.get_or_insert(EndStep { time: self.now, stress, velocity });
         }
         if which == 0 {
-            // The fan's innermost state is next to the end, the state ahead to the right of the fastest front.
+            // The innermost state of the fan is next to the end, the state ahead is to the right of the fastest front.
             let nearest = self.scratch.sent_right.last().map_or(bar, |e| e.behind);
             self.list.get_mut(id).right = nearest;
             let last = self.send_right(id, x, bar, segment);
@@ -45,7 +45,7 @@ impl FrontTracking {
         }
     }
 
-    /// The waves that an end sends into the bar.
+    /// Computes the waves that an end emits into the bar.
     fn answer_end(&mut self, which: usize, bar: &Point, segment: u32) -> Answer {
         match self.ends[which].arrive(self.now, bar) {
             Arrival::Passes => {
@@ -71,12 +71,12 @@ impl FrontTracking {
         answer
     }
 
-    /// Whether a body or a wall would have to pull.
+    /// Returns whether a body or wall would have to pull.
     fn pulls(&self, which: usize, answer: &Answer) -> bool {
         answer.behind.stress > 0.0 && self.ends[which].can_part()
     }
 
-    /// The end's next step begins; where a body moves with it, it ends with the arrival of a front.
+    /// Begins the next step of an end. If a body moves with the end, the step ends with the arrival of a front where possible.
     fn begin_step(&mut self, which: usize, bar: &Point, segment: u32) {
         let free = self.free_velocity(which, bar, segment);
         let length = self.ends[which].end_step(bar, free).map(|wish| {
@@ -87,14 +87,14 @@ impl FrontTracking {
         self.ends[which].begin_step(length, bar, free);
     }
 
-    /// Velocity of the face where nothing acts on it, m/s, into the bar. A bar whose stress falls may flow, too, and its face then
-    /// moves faster than that of an elastic one: this must be the velocity with which a body is found apart.
+    /// Velocity of the face without load, m/s, into the bar. A bar whose stress falls may flow, so that its face moves faster than that of an elastic
+    /// bar; a body is found separated from a face with this velocity.
     fn free_velocity(&mut self, which: usize, bar: &Point, segment: u32) -> f64 {
         self.answer_stress(which, 0.0, bar, segment).velocity
     }
 
-    /// When, from now, the first front gets to an end if nothing comes in its way, s, of those that are nearer to it than
-    /// `reach` (m); infinite without one. Fronts too weak to break a step do not count.
+    /// Returns the time until the first front that is within `reach` (m) of an end arrives there if nothing intervenes, s; infinite if there is none.
+    /// Fronts too weak to end a step do not count.
     fn arrival(&self, which: usize, reach: f64) -> f64 {
         let end = self.list.get(self.end_nodes[which]);
         let weakest = self.ends[which].passing();
@@ -115,8 +115,8 @@ impl FrontTracking {
         first
     }
 
-    /// The answer to the step that begins. What a body asks for goes with the impedance that the bar answers with: where the bar
-    /// flows, both are found together.
+    /// Computes the response to the step that begins. The relation of a body depends on the impedance of the bar: if the bar flows, both are found
+    /// together by iteration.
     fn answer_step(&mut self, which: usize, bar: &Point, segment: u32) -> Answer {
         let mut answer = self.answer(which, &self.ends[which].relation(), bar, segment);
         let elastic = self.ends[which].face.impedance;
@@ -138,7 +138,7 @@ impl FrontTracking {
         answer
     }
 
-    /// How the bar answers around an answer that is in the scratch: linear from half of the way to it on.
+    /// Returns the linearized response of the bar around a response in the scratch: a secant from half of the way to it.
     fn tangent(&mut self, which: usize, bar: &Point, answer: &Answer) -> Response {
         let path = if which == 0 { &mut self.scratch.work.right } else { &mut self.scratch.work.left };
         let Face { area, impedance, .. } = self.ends[which].face;
@@ -146,20 +146,20 @@ impl FrontTracking {
         let middle = 0.5 * (from + to);
         let change = path.velocity(to.min(path.cap())) - path.velocity(middle);
         let tangent = area * (to - middle) / change;
-        // Elastic but for rounding, or hardly any way to go.
+        // The bar is elastic but for rounding, or the change is too small to evaluate a secant.
         let elastic = !(tangent > 0.0 && tangent < (1.0 - 1e-6) * impedance);
         let impedance = if elastic { impedance } else { tangent };
         Response { force: -area * answer.behind.stress - impedance * answer.velocity, impedance }
     }
 
-    /// The Riemann problem against a relation.
+    /// Solves the Riemann problem against a relation.
     fn answer(&mut self, which: usize, relation: &Relation, bar: &Point, segment: u32) -> Answer {
         let Relation { of_velocity: a, of_force: b, value: c, .. } = *relation;
         let (face, medium) = (self.ends[which].face, &self.media[segment as usize]);
         if a == 0.0 {
             return self.answer_stress(which, -c / b / face.area, bar, segment);
         }
-        // From the side of the line that loses no digits.
+        // Chosen from the side of the relation that loses no digits.
         let (force, velocity) = if b == 0.0 {
             (medium.area * bar.stress, c / a)
         } else if a > b * face.impedance {
@@ -175,11 +175,11 @@ impl FrontTracking {
             (solve(own, driver, &mut self.scratch.work), &mut self.scratch.work.left, &mut self.scratch.sent_left)
         };
         let asked = path.sense() * star.force / medium.area;
-        // A bar that is at the largest stress of its curve already is short of what lies between that and the end's force.
+        // A bar that is already at the largest stress of its curve cannot carry the difference to the force of the end.
         let capped = star.capped || asked > path.cap();
         let behind = path.emit(asked.min(path.cap()), face.inward, sent);
         let behind = self.unless_at_rest(which, behind, bar, segment);
-        // The face runs ahead of a bar that cannot follow; and what is stiff tells its velocity to more digits than the bar.
+        // The face moves ahead of a bar that cannot follow. If the end is stiff, its relation gives the velocity to more digits than the bar.
         let exact = a > b * face.impedance || capped;
         let velocity = if exact { (c + b * face.area * behind.stress) / a } else { face.inward * behind.velocity };
         Answer { behind, velocity, short: capped, answers: true }
@@ -192,8 +192,8 @@ impl FrontTracking {
         Answer { behind, velocity: inward * behind.velocity, short, answers: true }
     }
 
-    /// The waves that a face under a stress sends `inward` (+1: to the right), into the scratch of that side: the state behind them, and
-    /// whether the curve cannot carry the stress.
+    /// Emits the waves of a face under a stress `inward` (+1: to the right) into the scratch of that side. Returns the state behind them, and whether
+    /// the stress exceeds what the curve can carry.
     pub(super) fn emit_under(&mut self, stress: f64, inward: f64, bar: &Point, segment: u32) -> (Point, bool) {
         let medium = &self.media[segment as usize];
         let sense = if stress < bar.stress { -1.0 } else { 1.0 };
@@ -208,7 +208,7 @@ impl FrontTracking {
         (path.emit(tau.min(path.cap()), inward, sent), short)
     }
 
-    /// The state behind an end's wave; with a front tolerance, a wave of a few roundings is not sent (see [`REST`]).
+    /// Returns the state behind the wave of an end. With a front tolerance, a wave of a few roundings is not emitted (see [`REST`]).
     fn unless_at_rest(&mut self, which: usize, behind: Point, bar: &Point, segment: u32) -> Point {
         if !self.merging.is_on() || !same_motion(&behind, bar, &self.media[segment as usize], REST) {
             return behind;

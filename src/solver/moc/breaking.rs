@@ -3,14 +3,14 @@
 use crate::law::rupture::{Cause, Criteria, Criterion, Rupture, Strained};
 use crate::wave::riemann::{Medium, Point};
 
-/// What is known of a bar that can break.
+/// Fracture criteria and fractures of a bar.
 #[derive(Debug, Clone)]
 pub(super) struct Breaking {
     pub criteria: Criteria,
     pub found: Vec<Rupture>,
 }
 
-/// Segment of a side, its state, and the one that would come about.
+/// Segment of a side, its state, and the state that would follow.
 pub(super) type Answer = (u32, Point, Point);
 
 impl Breaking {
@@ -18,8 +18,8 @@ impl Breaking {
         Self { criteria, found: Vec::new() }
     }
 
-    /// Whether what a side would come to breaks it. Strain that would gather there without bound (`gathers`) does, unless
-    /// only stress counts; else what has yielded and unloaded breaks only as it yields again.
+    /// Returns whether the state that would follow fractures a side. Strain that would gather there without bound (`gathers`) does, unless only the
+    /// stress counts. Otherwise, material that has yielded and unloaded fractures only when it yields again.
     pub fn breaks(&self, &(segment, before, after): &Answer, medium: &Medium, notch: f64, gathers: bool) -> bool {
         let criterion = &self.criteria.segments[segment as usize];
         if after.stress <= medium.round_off {

@@ -1,15 +1,15 @@
-//! The difference of two front-tracking bars, and whether one is exact.
+//! Difference of two front-tracking bars, and whether one is exact.
 
 use super::{FrontTracking, Piece};
 
 impl FrontTracking {
-    /// Integral over x of |difference of stress| from another run of the same bar, and of this run's |stress|, Pa m: exact
-    /// sums over the constant pieces of both.
+    /// Integrals over x of |difference of stress| from another run of the same bar, and of this run's |stress|, Pa m: exact sums over the constant
+    /// pieces of both.
     pub fn stress_difference(&self, other: &Self) -> (f64, f64) {
         self.difference(other, |_, piece| piece.point.stress)
     }
 
-    /// The same of the plastic strain, m.
+    /// Same for the plastic strain, m.
     pub fn plastic_difference(&self, other: &Self) -> (f64, f64) {
         self.difference(other, |bar, piece| bar.medium(piece.segment).plastic_strain(piece.point))
     }
@@ -35,14 +35,13 @@ impl FrontTracking {
         (apart, total)
     }
 
-    /// Sum of the integrals over x of |change of stress| of all merges so far, Pa m: more than they can have changed
-    /// together, and often much more.
+    /// Sum of the integrals over x of |change of stress| of all merges so far, Pa m. It is an upper bound of their combined change, and often much
+    /// larger.
     pub fn merged(&self) -> f64 {
         self.merging.changed
     }
 
-    /// True as long as no wave was made one with another and nothing had to be made into steps: exact for the tables,
-    /// to rounding.
+    /// Returns whether no wave was merged and no ramp or body was resolved by steps: then the solution is exact for the tables, to rounding.
     pub fn is_exact(&self) -> bool {
         self.merging.changed == 0.0 && !self.in_steps
     }

@@ -1,5 +1,5 @@
-//! Joints that can open, see [`crate::bar::joint`], between events: velocities are constant then, so that the time at which a gap closes
-//! is exact, an event of its own. Faces that press each other are one Riemann problem, like a bonded joint.
+//! Joints that can open, see [`crate::bar::joint`], between events. Velocities are constant then, so that the time at which a gap closes is exact; it
+//! is an event of its own. Faces that press against each other are one Riemann problem, like a bonded joint.
 
 use super::FrontTracking;
 use super::joint_clock::{Contact, JointState};
@@ -7,7 +7,7 @@ use super::list::Node;
 use crate::wave::riemann::{Point, Side, solve};
 
 impl FrontTracking {
-    /// The joints that can open, from left to right, now.
+    /// Iterates over the present states of the joints that can open, from left to right.
     pub fn contacts(&self) -> impl Iterator<Item = JointState<'_>> {
         self.contacts.iter().map(|contact| {
             let state = contact.at(self.now);
@@ -21,13 +21,13 @@ impl FrontTracking {
         })
     }
 
-    /// The clock of a joint, if it can open.
+    /// Returns the contact state of a joint; `None` if it cannot open.
     pub(super) fn contact_at(&self, joint: &Node) -> Option<&Contact> {
         self.contacts.iter().find(|contact| self.list.get(contact.node).stamp == joint.stamp)
     }
 
-    /// Where `id` is a joint whose faces are apart, or part now: sends what two free faces send, and returns true. Else
-    /// the joint is as good as bonded.
+    /// If `id` is a joint whose faces are apart, or separate now, emits the waves of two free faces and returns true. Otherwise returns false: the
+    /// joint behaves as if bonded.
     pub(super) fn resolve_apart(&mut self, prev: u32, id: u32, right: Point, x: f64) -> bool {
         let Some(k) = self.contacts.iter().position(|contact| contact.node == id) else { return false };
         let (left, left_segment) = (self.list.get(prev).right, self.list.get(prev).segment);
@@ -52,7 +52,7 @@ impl FrontTracking {
         true
     }
 
-    /// Force between two faces that are held together, N, compression positive, and how much of it is rounding.
+    /// Force between two faces that are held together, N, compression positive, and its rounding.
     fn force_between(&mut self, left: (u32, &Point), right: (u32, &Point)) -> (f64, f64) {
         let (a, b) = (&self.media[left.0 as usize], &self.media[right.0 as usize]);
         let star = solve(Side::Bar(a, left.1), Side::Bar(b, right.1), &mut self.scratch.work);

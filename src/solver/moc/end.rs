@@ -1,5 +1,4 @@
-//! The ends of a front-tracking bar: start and end of their steps, and their records. The relation is that of the model, see
-//! [`crate::bar::ends`].
+//! Ends of a front-tracking bar: start and end of their steps, and their records. The relation comes from the end model, see [`crate::bar::ends`].
 
 use serde::{Deserialize, Serialize};
 
@@ -14,51 +13,51 @@ use crate::wave::riemann::{Medium, Point};
 /// Stress and velocity of the bar's end from `time` on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct EndStep {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// Pa.
+    /// Stress, Pa, tension positive.
     pub stress: f64,
-    /// m/s.
+    /// Velocity, m/s, positive in +x.
     pub velocity: f64,
 }
 
-/// What happened at an end so far.
+/// Record of an end so far.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct EndRecord {
-    /// Exact steps: each holds until the next.
+    /// Exact steps, each of which holds until the next one.
     pub steps: Vec<EndStep>,
-    /// When the stress-strain curve could for the first time not carry into the bar what is imposed, and the state of the bar's edge then.
+    /// Time at which the stress-strain curve could first not carry the imposed value into the bar, and state of the bar's end then.
     pub above_critical: Option<EndStep>,
 }
 
-/// What an end sends is in the scratch of its side; this is behind it.
+/// Response of an end. The emitted waves are in the scratch of its side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Answer {
-    /// State of the bar's edge.
+    /// State of the bar's end behind the emitted waves.
     pub behind: Point,
-    /// Of the face, m/s, into the bar.
+    /// Velocity of the face, m/s, into the bar.
     pub velocity: f64,
-    /// The curve could not carry what was asked for.
+    /// Whether the curve could not carry the imposed value.
     pub short: bool,
-    /// False where a weak wave went by.
+    /// Whether the end responded; false if a weak wave passed.
     pub answers: bool,
 }
 
-/// What a wave that arrives, or time, does to the step of an end.
+/// Effect of an arriving wave, or of time, on the step of an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Arrival {
-    /// The wave is weak: the end goes along with it.
+    /// The wave is weak: the end follows it.
     Passes,
-    /// The relation of the step answers it.
+    /// The relation of the step responds to it.
     Within,
-    /// The step is over.
+    /// The step ends.
     Ends,
 }
 
-/// A striker or a ball at an end.
+/// State of a striker or ball at an end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrikerState {
-    /// m/s, positive in +x.
+    /// Velocity, m/s, positive in +x.
     pub velocity: f64,
     /// Distance from the bar's end, m, >= 0.
     pub gap: f64,
@@ -66,48 +65,48 @@ pub struct StrikerState {
     pub touching: bool,
 }
 
-/// The scales of a run.
+/// Scales of a run.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Scales {
     /// Stress to which steps are relative, Pa.
     pub stress: f64,
-    /// Part of that by which a step changes the stress.
+    /// Change of stress in a step, relative to that stress.
     pub step: f64,
     /// Elastic transit time of the bar, s.
     pub transit: f64,
-    /// Times and stresses closer than this are one, s and Pa.
+    /// Differences below which times (s) and stresses (Pa) count as equal.
     pub same_time: f64,
     pub same_stress: f64,
 }
 
-/// An end with its clock.
+/// An end with the state of its steps.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct End {
     pub face: Face,
     stepping: Stepping,
     #[serde(skip)]
     imposed: Option<Imposed>,
-    /// Of a body's steps.
+    /// Control of the steps of a body.
     control: Option<StepControl>,
-    /// It asks for a velocity or a force, and does not only follow.
+    /// Whether the end imposes a velocity or a force and does not only follow.
     pub demands: bool,
     scales: Scales,
-    /// State of the bar's edge since the latest answer.
+    /// State of the bar's end since the latest response.
     answered: Point,
-    /// The latest wave was a jump.
+    /// Whether the latest wave was a jump.
     jumped: bool,
-    /// When a body touched the end and parted from it.
+    /// Times at which a body touched the end and separated from it.
     changes: Vec<JointChange>,
     pub record: EndRecord,
 }
 
-/// The face at an end: `inward` is +1 at the left end and -1 at the right one, `velocity` (m/s) that of the bar there, in +x.
+/// Returns the face at an end. `inward` is +1 at the left end and -1 at the right one, `velocity` (m/s) that of the bar there, in +x.
 pub(super) fn face(inward: f64, velocity: f64, medium: &Medium) -> Face {
     Face { inward, area: medium.area, impedance: medium.area * medium.impedance(), velocity: inward * velocity }
 }
 
 impl End {
-    /// At a bar whose edge is in the state `start` at t = 0.
+    /// Creates an end of a bar whose state there is `start` at t = 0.
     pub fn new(condition: &EndCondition, face: Face, start: Point, scales: Scales) -> Self {
         let imposed = Imposed::new(condition, &face, scales.step * scales.stress, scales.transit);
         let model = ends::model(if imposed.is_some() { &EndCondition::Free } else { condition }, face);
@@ -128,12 +127,12 @@ impl End {
         }
     }
 
-    /// All that changes: the end, numbers of its model, and whether its history still holds.
+    /// Returns everything that changes: the end, the state of its model, and whether its history still applies.
     pub fn state(&self) -> (&Self, [f64; 2], bool) {
         (self, self.stepping.model.state(), self.imposed.is_some())
     }
 
-    /// Takes over what [`Self::state`] gave; `released`: the bar has broken off what was here.
+    /// Restores what [`Self::state`] returned. `released`: the bar has broken off at this end.
     pub fn restore(&mut self, (saved, state, imposes): (Self, [f64; 2], bool), released: bool) {
         if released {
             self.release();
@@ -143,23 +142,23 @@ impl End {
         self.stepping.model.restore(state);
     }
 
-    /// True where its history has a ramp, or a body moves with it.
+    /// Returns whether the history of the end has a ramp, or a body moves with it.
     pub fn needs_steps(&self) -> bool {
         self.control.is_some() || self.imposed.as_ref().is_some_and(Imposed::needs_steps)
     }
 
-    /// How an elastic bar in the state `bar` would answer.
+    /// Returns the response of an elastic bar in the state `bar`.
     pub fn response(&self, bar: &Point) -> Response {
         let Face { inward, area, impedance, .. } = self.face;
         Response { force: -area * bar.stress - impedance * (inward * bar.velocity), impedance }
     }
 
-    /// Waves that change the stress by less than this (Pa) do not break a step.
+    /// Returns the stress change (Pa) below which waves do not end a step.
     pub fn passing(&self) -> f64 {
         self.control.as_ref().map_or(0.0, |control| control.passing() / self.face.area)
     }
 
-    /// Something is due at the end now (s), where the bar has come to the state `bar`.
+    /// Processes an event at the end at the time `now` (s), where the bar has reached the state `bar`.
     pub fn arrive(&mut self, now: f64, bar: &Point) -> Arrival {
         self.stepping.bring_to(now);
         let Face { area, impedance, .. } = self.face;
@@ -177,7 +176,7 @@ impl End {
         if change <= control.passing() && !(self.can_part() && bar.stress >= 0.0) {
             return Arrival::Passes;
         }
-        // A step that was meant for what moved slowly is too long for what has come.
+        // A step planned for slow changes is too long for the wave that has arrived.
         let planned = self.stepping.until - self.stepping.start;
         let relaxation = self.stepping.model.relaxation(self.stepping.present_displacement(), &self.response(bar));
         if relaxation.is_some_and(|relaxation| control.resolving(&relaxation) < 0.5 * planned) {
@@ -186,29 +185,29 @@ impl End {
         Arrival::Within
     }
 
-    /// Whether a body or a wall is there that cannot pull.
+    /// Returns whether the end has a body or wall that cannot pull.
     pub fn can_part(&self) -> bool {
         self.stepping.model.gap(0.0).is_some()
     }
 
-    /// The relation of the present step.
+    /// Returns the relation of the current step.
     pub fn relation(&self) -> Relation {
         self.stepping.relation
     }
 
-    /// The step of the body in contact, for a relation that is found together with the bar's answer.
+    /// Returns the step of a body in contact, for a relation that has to be found together with the response of the bar; `None` without contact.
     pub fn body_step(&self) -> Option<Step> {
         let Stepping { start, until, met, .. } = &self.stepping;
         (*met && self.control.is_some()).then(|| self.stepping.step(until - start))
     }
 
-    /// What the body asks for in that step of a bar that answers in this way.
+    /// Sets the relation of the body in that step for a bar with this response.
     pub fn agree_with(&mut self, step: &Step, response: &Response) {
         self.stepping.relation = self.stepping.model.relation(step, response);
     }
 
-    /// Ends the step. How long the next one should be, s, where a body moves with the end, or would have to if it did not part now. A face on
-    /// which nothing acts moves at `free` (m/s, into the bar).
+    /// Ends the step. Returns the length of the next step (s) if a body moves with the end, or would if it did not separate now. A face without load
+    /// moves at `free` (m/s, into the bar).
     pub fn end_step(&mut self, bar: &Point, free: f64) -> Option<f64> {
         self.stepping.commit(self.scales.same_time);
         let now = self.stepping.start;
@@ -230,24 +229,24 @@ impl End {
         Some(if self.stepping.model.is_nonlinear() { self.resolving_contact(length, &response) } else { length })
     }
 
-    /// Whether what is there acts on the face from now on: always, unless it can part from a face that moves at `free` (m/s, into the bar).
+    /// Returns whether the end acts on the face from now on: always, unless it can separate from a face that moves at `free` (m/s, into the bar).
     fn pushes(&self, free: f64) -> bool {
         let Some(gap) = self.stepping.model.gap(self.stepping.displacement) else { return true };
         let closing = self.closing(free);
         gap < 0.0 || (gap <= closing * self.scales.same_time && self.is_closing(closing))
     }
 
-    /// Velocity at which a face that moves with `velocity` (m/s, into the bar) and what is there approach each other, m/s.
+    /// Velocity at which the body or wall approaches a face that moves at `velocity` (m/s, into the bar), m/s.
     fn closing(&self, velocity: f64) -> f64 {
         self.stepping.model.body().map_or(0.0, |body| body.velocity) - velocity
     }
 
-    /// Whether they do (m/s), and not by rounding alone.
+    /// Returns whether this velocity (m/s) is positive beyond rounding.
     fn is_closing(&self, closing: f64) -> bool {
         closing * self.face.impedance > self.scales.same_stress * self.face.area
     }
 
-    /// Notes where a body touches the end, or parts from it, now; `next` is the step (s) that it would take.
+    /// Records that a body touches the end or separates from it now; `next` is the step (s) that it would take.
     fn note_change(&mut self, next: f64, bar: &Response, free: f64) {
         let Some(body) = self.stepping.model.body() else { return };
         let touches = self.stepping.met;
@@ -257,11 +256,11 @@ impl End {
         }
     }
 
-    /// When the force was zero of a body that is found apart now.
+    /// Returns the time at which the force of a body that is found separated became zero.
     ///
-    /// A force that dies away does so in steps, as the waves that arrive are made of steps: a mass is released at the first wave
-    /// behind which it would have to pull. When the force itself was zero is found between the middles of the last step that pushed
-    /// and the first that would pull: second order, like everything else.
+    /// A decaying force does so in steps, as the arriving waves are steps: a mass is released at the first wave behind which it would have to pull.
+    /// The time at which the force itself was zero is interpolated between the middles of the last step that pushed and the first one that would
+    /// pull. This is second-order accurate, like the rest of the method.
     fn parting(&self, gap: f64, next: f64, bar: &Response, free: f64) -> f64 {
         let (now, closing) = (self.stepping.start, self.closing(free));
         if self.jumped {
@@ -278,7 +277,7 @@ impl End {
         before + (now + 0.5 * next - before) * (push / (push - pull))
     }
 
-    /// A step of at most `length` (s) in which the force of a contact that is not linear changes by one step's worth.
+    /// Returns a step of at most `most` (s) in which the force of a nonlinear contact changes by no more than one step height.
     fn resolving_contact(&self, most: f64, bar: &Response) -> f64 {
         let (Some(control), mut length) = (&self.control, most) else { return most };
         for _ in 0..3 {
@@ -292,7 +291,7 @@ impl End {
         length
     }
 
-    /// Begins a step, of `length` (s) where a body moves with the end. A face on which nothing acts moves at `free` (m/s, into the bar).
+    /// Begins a step, of `length` (s) if a body moves with the end. A face without load moves at `free` (m/s, into the bar).
     pub fn begin_step(&mut self, length: Option<f64>, bar: &Point, free: f64) {
         let (now, response) = (self.stepping.start, self.response(bar));
         self.note_change(length.unwrap_or(f64::INFINITY), &response, free);
@@ -309,12 +308,12 @@ impl End {
         };
     }
 
-    /// The face parts from what is there.
+    /// Separates the face from the body or wall.
     pub fn part(&mut self) {
         (self.stepping.met, self.stepping.relation) = (false, Relation::force(0.0));
     }
 
-    /// The bar breaks off what is at its end, which is free from now on.
+    /// Releases the end: the bar has broken off there and the end is free from now on.
     pub fn release(&mut self) {
         self.stepping.commit(self.scales.same_time);
         self.stepping.model = ends::model(&EndCondition::Free, self.face);
@@ -322,10 +321,10 @@ impl End {
         (self.imposed, self.control) = (None, None);
     }
 
-    /// Takes the answer: the state of the bar's edge, and the velocity of the face into the bar, from now on.
+    /// Applies the response: state of the bar's end, and velocity of the face into the bar, from now on.
     pub fn update(&mut self, &Answer { ref behind, velocity, short, answers }: &Answer) {
         let Face { inward, area, impedance, .. } = self.face;
-        // But for rounding the edge moves with the face, unless strain gathers.
+        // Apart from rounding the bar's end moves with the face, unless strain gathers there.
         let edge = if short { inward * behind.velocity } else { velocity };
         self.stepping.held = Held { force: -area * behind.stress, velocity, edge };
         if answers {
@@ -345,7 +344,7 @@ impl End {
         }
     }
 
-    /// When what is apart from the face touches it, s, while the face moves with `velocity` (m/s, into the bar).
+    /// Returns the time (s) at which a separated body or wall touches the face, if the face moves at `velocity` (m/s, into the bar).
     fn closing_time(&self, velocity: f64) -> f64 {
         let model = &self.stepping.model;
         let Some(gap) = model.gap(self.stepping.displacement) else { return f64::INFINITY };
@@ -356,17 +355,17 @@ impl End {
         self.stepping.start + gap.max(0.0) / closing
     }
 
-    /// When the end next does something of its own accord, s.
+    /// Returns the time of the next event of the end that no wave causes, s.
     pub fn next_time(&self) -> f64 {
         self.stepping.until
     }
 
-    /// What went through the end up to time t (s).
+    /// Returns work and impulse through the end up to t (s).
     pub fn account(&self, t: f64) -> Account {
         self.stepping.at(t).account()
     }
 
-    /// The striker or ball at time t (s), if there is one.
+    /// Returns the state of the striker or ball at time t (s); `None` without one.
     pub fn striker(&self, t: f64) -> Option<StrikerState> {
         let touching = self.stepping.met;
         self.stepping.at(t).model.body().map(|Body { velocity, gap }| StrikerState {
@@ -376,12 +375,12 @@ impl End {
         })
     }
 
-    /// When a striker or a ball touched the end and parted from it.
+    /// Returns the times at which a striker or ball touched the end and separated from it.
     pub fn striker_changes(&self) -> &[JointChange] {
         &self.changes
     }
 
-    /// Energy of the body at the end at time t (s), J: of motion for a striker, stored for a spring, both for a ball.
+    /// Energy of the body at the end at time t (s), J: kinetic for a striker, stored for a spring, both for a ball.
     pub fn body_energy(&self, t: f64) -> f64 {
         let ahead = self.stepping.at(t);
         ahead.model.energy(ahead.displacement)

@@ -4,15 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::wave::riemann::Point;
 
-/// The straight life of a front, from where it was sent to where it met something (or to now), with the constant
-/// states on both sides.
+/// Straight path of a front, from where it was emitted to where it met something (or to the present), with the constant states on both sides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FrontSegment {
-    /// Places of its start and its end, m.
+    /// Positions of its start and end, m.
     pub x: [f64; 2],
-    /// Times of its start and its end, s.
+    /// Times of its start and end, s.
     pub t: [f64; 2],
-    /// Index of the segment in which it ran.
+    /// Index of the segment in which it runs.
     pub segment: usize,
     /// State ahead of it.
     pub ahead: Point,

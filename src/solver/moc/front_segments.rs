@@ -4,18 +4,18 @@ use super::list::{Kind, Node};
 use super::{FrontSegment, FrontTracking};
 
 impl FrontTracking {
-    /// Front segments of the fronts that ended since the last call, in the order in which they ended; empty unless
-    /// [`super::Settings::front_segments`] asks for them.
+    /// Returns the segments of the fronts that ended since the last call, in the order in which they ended. Empty unless
+    /// [`super::Settings::front_segments`] is set.
     pub fn take_front_segments(&mut self) -> Vec<FrontSegment> {
         self.front_segments.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// Front segments, up to now, of the fronts under way, from left to right.
+    /// Iterates over the segments of the active fronts up to the present, from left to right.
     pub fn living_front_segments(&self) -> impl Iterator<Item = FrontSegment> + '_ {
         self.list.iter().filter(|n| n.kind == Kind::Front).map(|n| self.piece(n))
     }
 
-    /// Keeps the front segment of a front that ends now, where front segments are asked for.
+    /// Records the segment of a front that ends now, if segments are kept.
     pub(super) fn keep_front_segment(&mut self, node: &Node) {
         if node.kind == Kind::Front && self.front_segments.is_some() {
             let piece = self.piece(node);
@@ -26,7 +26,7 @@ impl FrontTracking {
     fn piece(&self, node: &Node) -> FrontSegment {
         let (left, right) = (self.list.get(node.prev).right, node.right);
         let (ahead, behind) = if node.speed > 0.0 { (right, left) } else { (left, right) };
-        // By rounding a front that comes to an end passes it.
+        // By rounding, a front that reaches an end of the bar may pass it.
         let [first, last] = self.end_nodes.map(|id| self.list.get(id).x);
         FrontSegment {
             x: [node.x, node.at(self.now).clamp(first, last)],

@@ -1,8 +1,8 @@
-//! Interactions of neighbouring fronts, in order of time.
+//! Interactions of neighbouring fronts, ordered by time.
 
 use serde::{Deserialize, Serialize};
 
-/// The next interaction of two neighbours; out of date once one of them is gone or they are no longer neighbours.
+/// Next interaction of two neighbours; obsolete once one of them is removed or they are no longer neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Interaction {
     pub time: f64,

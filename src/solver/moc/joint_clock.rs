@@ -4,47 +4,47 @@ use serde::{Deserialize, Serialize};
 
 use crate::bar::{Bar, joint};
 
-/// When a joint opened or closed.
+/// Opening or closing of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct JointChange {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// Open from then on.
+    /// Whether the joint is open from then on.
     pub open: bool,
 }
 
-/// A joint that can open, at a moment.
+/// Present state of a joint that can open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointState<'a> {
-    /// Behind segment `joint`, counted from 0; inside it where the bar broke there.
+    /// Index of the segment to its left, counted from 0; if the bar fractured inside a segment, the index of that segment.
     pub joint: usize,
-    /// No force passes: the faces are apart, or touch without pressing.
+    /// Whether no force is transmitted: the faces are apart, or touch without pressing.
     pub open: bool,
     /// Distance of the faces, m.
     pub gap: f64,
-    /// Displacement of the right face against the left one since the start, m.
+    /// Displacement of the right face relative to the left one since the start, m.
     pub jump: f64,
-    /// Openings and closings so far, in order; the first entry tells how it started.
+    /// Openings and closings so far, in order; the first entry gives the state at the start.
     pub changes: &'a [JointChange],
 }
 
-/// A joint that can open, with its clock.
+/// A joint that can open, with the time at which it closes.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Contact {
     pub node: u32,
     pub joint: usize,
-    /// At the latest event, at `since` (s).
+    /// State at the latest event, at time `since` (s).
     pub state: joint::Contact,
     since: f64,
     /// Velocity at which the gap grows since then, m/s; 0 while closed.
     rate: f64,
-    /// When the gap will be closed, s.
+    /// Time at which the gap will be closed, s.
     pub closes: f64,
     pub changes: Vec<JointChange>,
 }
 
 impl Contact {
-    /// Those of a bar; node k + 1 is the joint behind segment k.
+    /// Returns the contacts of a bar; node k + 1 is the joint to the right of segment k.
     pub fn all(bar: &Bar) -> Vec<Self> {
         let inner = &bar.segments[..bar.segments.len() - 1];
         let states = inner.iter().enumerate().map(|(k, s)| (k, joint::Contact::new(s.joint)));
@@ -55,7 +55,7 @@ impl Contact {
         Self { node, joint, state, since, rate: 0.0, closes: f64::INFINITY, changes: Vec::new() }
     }
 
-    /// A place where the bar breaks at t.
+    /// Creates the contact of a section where the bar fractures at t.
     pub fn broken(node: u32, segment: usize, t: f64) -> Self {
         Self::new(node, segment, joint::Contact::broken(), t)
     }
@@ -66,12 +66,12 @@ impl Contact {
         state
     }
 
-    /// Displacement of the right face against the left one since the start, m, at time t.
+    /// Displacement of the right face relative to the left one since the start, m, at time t.
     pub fn jump_at(&self, t: f64) -> f64 {
         self.at(t).jump()
     }
 
-    /// Brings the gap to t. Times up to `tolerance` later count as t.
+    /// Advances the gap to t. Closing times up to `tolerance` later count as t.
     pub fn bring_to(&mut self, t: f64, tolerance: f64) {
         self.state = self.at(t);
         if self.closes <= t + tolerance {
@@ -80,8 +80,8 @@ impl Contact {
         self.since = t;
     }
 
-    /// From now on the gap grows at `rate` (m/s; 0 where the faces press each other). Faces without a gap that do not press are not
-    /// closing either: the force has told, and a rate that says otherwise is rounding, however it compares across two impedances.
+    /// Sets the rate at which the gap grows from now on (m/s; 0 if the faces press against each other). Faces without a gap that do not press do not
+    /// close either: the force decides that, and a rate of the opposite sign is rounding, however it compares across two impedances.
     pub fn update(&mut self, rate: f64) {
         self.rate = rate;
         let gap = self.state.gap();

@@ -1,4 +1,4 @@
-//! The limits of the material data, and the first points of the bar that reached them.
+//! Limits of the material data, and the first points of the bar that reached them.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,25 +6,25 @@ use super::Stopped;
 use crate::bar::Bar;
 use crate::law::{DataEnd, Reached};
 
-/// A point of the bar at such a limit.
+/// A point of the bar at a limit of the data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PointAtLimit {
     /// Index of its segment.
     pub segment: usize,
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// m.
+    /// Position, m.
     pub x: f64,
-    /// What it has reached.
+    /// Limit that it has reached.
     pub reached: Reached,
 }
 
-/// The limits of every segment, and the first point to reach each kind.
+/// Limits of every segment, and the first point to reach each kind.
 #[derive(Debug, Clone)]
 pub(super) struct Limits {
     pub ends: Vec<DataEnd>,
     pub passed: Vec<PointAtLimit>,
-    /// The run ends where nothing is known of a material any more.
+    /// Whether the run ends where the data of a material end.
     pub stops: bool,
     pub stop: Option<PointAtLimit>,
 }
@@ -35,7 +35,7 @@ impl Limits {
         Self { ends, passed: Vec::new(), stops, stop: None }
     }
 
-    /// The point that stops the run before this time (s), if there is one.
+    /// Returns an error with the point that stops the run before this time (s), if there is one.
     pub fn check(&self, until: f64) -> Result<(), Stopped> {
         self.stop.filter(|stop| stop.time < until).map_or(Ok(()), |stop| Err(Stopped::AtLimit(stop)))
     }

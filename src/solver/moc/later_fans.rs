@@ -1,4 +1,4 @@
-//! Fans that start at ends and joints when gaps close or waves come to them, for schemes on a grid.
+//! Fans that start at ends and joints when gaps close or waves arrive, for grid schemes.
 
 use std::collections::BTreeMap;
 
@@ -7,28 +7,29 @@ use crate::bar::{InitialFan, Origin};
 use crate::material::Sense;
 use crate::wave::similarity::{Edge, Fan, is_elastic};
 
-/// Part of the length of the bar within which a front has reached a place.
+/// Fraction of the bar length within which a front has reached a position.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Part of the velocity that fans change by which both sides of a joint may differ and move together.
+/// Largest velocity difference between the two sides of a joint that move together, relative to the velocity change of the fans.
 const SAME_VELOCITY: f64 = 1e-6;
 
-/// What happens at an end or a joint at a moment: numbers of the fronts.
+/// Fronts that arrive at and leave an end or joint at one time, by index.
 #[derive(Debug, Default)]
 struct Visit {
     arrive: Vec<usize>,
     leave: Vec<usize>,
 }
 
-/// Visits by time, s (numbers >= 0 are in the order of their bits), and place: the left end of a segment, or the right end of the bar.
+/// Visits by time, s (numbers >= 0 are ordered as their bits), and place: the left end of a segment, or the right end of the bar.
 type Visits = BTreeMap<(u64, usize), Visit>;
 
 impl FrontTracking {
-    /// Follows the bar up to `until` (s), or as far as its event budget goes, and returns the plastic fans that start at ends and joints, in order of
-    /// time, as long as only elastic waves of loads that start `at_once`, not of plastic fronts nor of loads that grow, have come there: those are sharp
-    /// on a grid. With them the time (s) as far as which all are known, infinite for the whole run. For settings that keep the front segments.
+    /// Advances the bar up to `until` (s), or as far as its event budget permits, and returns the plastic fans that start at ends and joints, ordered
+    /// by time. A place counts as long as only sharp waves have arrived there: elastic waves of loads that start `at_once`, not those of plastic
+    /// fronts or of growing loads. Also returns the time (s) up to which all fans are known, infinite for the whole run. Requires settings that keep
+    /// the front segments.
     pub fn later_fans(mut self, until: f64, at_once: impl Fn(Origin, f64) -> bool) -> (Vec<InitialFan>, f64) {
-        // What is under way at the end of the run meets nothing in it.
+        // Fronts that are active at the end of the run meet nothing within it.
         let end = match self.advance_to(until) {
             Ok(()) => f64::INFINITY,
             Err(Stopped::EventBudget { time, .. }) => time,
@@ -39,7 +40,7 @@ impl FrontTracking {
         let visits = self.visits(&fronts);
         let (mut is_sharp, mut found) = (vec![false; fronts.len()], Vec::new());
         let mut only_sharp = vec![true; self.segments() + 1];
-        // Segments through which waves have come to each place.
+        // Segments through which waves have arrived at each place.
         let mut came: Vec<Vec<usize>> = vec![Vec::new(); self.segments() + 1];
         for (&(time, place), visit) in &visits {
             only_sharp[place] &= visit.arrive.iter().all(|&k| is_sharp[k]);
@@ -70,7 +71,7 @@ impl FrontTracking {
         let near = SAME_PLACE * places[self.segments()];
         let place_at = |x: f64| places.iter().position(|place| (place - x).abs() <= near);
         let mut visits = Visits::new();
-        // What ended as it started was part of an answer at that moment.
+        // A front that ends when it starts was part of a response at that time.
         for (k, front) in fronts.iter().enumerate().filter(|(_, front)| front.t[1] > front.t[0]) {
             let [from, to] = front.t.map(f64::to_bits);
             if let Some(place) = places.iter().position(|&place| place == front.x[0]) {
@@ -83,7 +84,7 @@ impl FrontTracking {
         visits
     }
 
-    /// The fans of a visit into both sides; none where waves come from both. Nothing else starts there before `next` (s).
+    /// Returns the fans of a visit into both sides; none if waves arrive from both. Nothing else starts there before `next` (s).
     fn fans(&self, place: usize, visit: &Visit, fronts: &[FrontSegment], next: f64) -> Vec<InitialFan> {
         let leaving: Vec<&FrontSegment> = visit.leave.iter().map(|&k| &fronts[k]).collect();
         let through = visit.arrive.first().map(|&k| fronts[k].segment);
@@ -113,7 +114,7 @@ impl FrontTracking {
         fans
     }
 
-    /// When a plastic front meets another one that comes towards it, s.
+    /// Returns the time at which a plastic front meets another one that comes towards it, s; `None` if it meets none.
     fn meets_plastic(&self, front: &FrontSegment, fronts: &[FrontSegment]) -> Option<f64> {
         let near = SAME_PLACE * self.list.get(self.end_nodes[1]).x;
         let ended = front.t[1] < self.now && !self.is_elastic(front);
@@ -135,7 +136,8 @@ impl FrontTracking {
         }
     }
 
-    /// What drives the fans of an end or a joint is more than the curve carries away: the bar does not follow the end, or the other side.
+    /// Returns whether the driver of the fans of an end or joint is above critical: the bar does not follow the end, or the sides of the joint move
+    /// apart.
     fn is_above_critical(&self, fans: &[InitialFan]) -> bool {
         let short = |which: usize| self.ends[which].record.above_critical.is_some_and(|from| from.time <= fans[0].from);
         match fans {
@@ -152,7 +154,8 @@ impl FrontTracking {
         }
     }
 
-    /// The fan of these fronts of one segment, the fastest first, that start together: it runs in +x and is driven by a velocity for ever.
+    /// Returns the fan of fronts of one segment, fastest first, that start together. Its direction is +x and its driver a constant velocity until the
+    /// caller sets them.
     fn fan(&self, fronts: &[&FrontSegment]) -> Option<InitialFan> {
         let (first, last) = (fronts.first()?, fronts.last()?);
         let (ahead, behind, segment) = (first.ahead, last.behind, first.segment);

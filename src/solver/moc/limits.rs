@@ -1,6 +1,6 @@
 //! Points at which a front-tracking bar reaches the limits of the material data.
 //!
-//! Every state of the bar first exists behind the waves of a Riemann problem, so that only those states need a look.
+//! Every state of the bar first exists behind the waves of a Riemann problem, so that only those states have to be checked.
 
 use super::FrontTracking;
 use super::known_limits::PointAtLimit;
@@ -9,13 +9,13 @@ use crate::material::Sense;
 use crate::wave::riemann::{Flow, Medium, Path, Point};
 
 impl FrontTracking {
-    /// The first points that reached each limit, in the order of time.
+    /// Returns the first points that reached each limit, ordered by time.
     pub fn passed(&self) -> &[PointAtLimit] {
         &self.limits.passed
     }
 
-    /// Looks at the state `behind` the waves that a side (0 left, 1 right) of a Riemann problem at x sends into `ahead`. Behind `elastic` ones
-    /// nothing flows, and there is no path.
+    /// Checks the state `behind` the waves that a side (0 left, 1 right) of a Riemann problem at x emits into the state `ahead`. Behind `elastic`
+    /// waves nothing flows, and there is no path.
     pub(super) fn note_limit(
         &mut self,
         side: usize,
@@ -51,7 +51,7 @@ impl FrontTracking {
     }
 }
 
-/// The point is at the largest stress that waves can bring about: a level line holds it.
+/// Returns whether the point is at the largest stress that waves can produce, held by a level line.
 fn is_held(medium: &Medium, path: &Path, point: &Point) -> bool {
     path.sense() * point.stress >= path.cap() - medium.round_off
 }

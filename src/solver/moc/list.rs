@@ -1,18 +1,18 @@
-//! The fronts in order along the bar: a doubly linked list in one vector with reused slots.
+//! Fronts in order along the bar: a doubly linked list in one vector with reused slots.
 
 use serde::{Deserialize, Serialize};
 
 use crate::wave::riemann::Point;
 
-/// No node.
+/// Index that stands for no node.
 pub const NONE: u32 = u32::MAX;
 
-/// What a node is.
+/// Kind of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
-    /// A front that runs.
+    /// A moving front.
     Front,
-    /// A place at rest where histories (or velocities, or held-back stresses) differ.
+    /// A stationary position where histories (or velocities, or back stresses) differ.
     Contact,
     /// A joint between two segments.
     Joint,
@@ -20,30 +20,30 @@ pub enum Kind {
     End,
 }
 
-/// A front or a fixed place, and the constant state between it and the next node.
+/// A front or stationary position, and the constant state between it and the next node.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Node {
     pub kind: Kind,
-    /// Where and when it started; speed in +x.
+    /// Position and time of its start; speed in +x.
     pub x: f64,
     pub t: f64,
     pub speed: f64,
-    /// State to its right, and the segment of that state (of no meaning at the right end).
+    /// State to its right, and the segment of that state (without meaning at the right end).
     pub right: Point,
     pub segment: u32,
     pub prev: u32,
     pub next: u32,
-    /// Tells this node from an earlier one in the same place; 0 while the place is free.
+    /// Distinguishes this node from an earlier one in the same slot; 0 while the slot is free.
     pub stamp: u64,
 }
 
 impl Node {
-    /// Not yet in a list.
+    /// Creates a node that is not yet in a list.
     pub fn new(kind: Kind, x: f64, t: f64, speed: f64, right: Point, segment: u32) -> Self {
         Self { kind, x, t, speed, right, segment, prev: NONE, next: NONE, stamp: 0 }
     }
 
-    /// Whether it stays where it is: an end or a joint.
+    /// Returns whether the node is an end or joint, which never moves.
     pub fn is_fixed(&self) -> bool {
         matches!(self.kind, Kind::End | Kind::Joint)
     }
@@ -68,18 +68,17 @@ impl List {
         self.nodes.len() - self.free.len()
     }
 
-    /// The node in a place.
+    /// Returns the node in a slot.
     pub fn get(&self, id: u32) -> &Node {
         &self.nodes[id as usize]
     }
 
-    /// The node in a place, to change it.
+    /// Returns the node in a slot for modification.
     pub fn get_mut(&mut self, id: u32) -> &mut Node {
         &mut self.nodes[id as usize]
     }
 
-    /// Puts a node behind `after` (`NONE`: at the left end of everything) and returns its place. Links and stamp of
-    /// the given node are ignored.
+    /// Inserts a node after `after` (`NONE`: at the left end of the list) and returns its slot. Links and stamp of the given node are ignored.
     pub fn insert(&mut self, after: u32, mut node: Node) -> u32 {
         self.stamps += 1;
         node.stamp = self.stamps;
@@ -100,7 +99,7 @@ impl List {
         id
     }
 
-    /// Takes a node out.
+    /// Removes a node.
     pub fn remove(&mut self, id: u32) {
         let Node { prev, next, .. } = *self.get(id);
         if prev != NONE {
@@ -113,7 +112,7 @@ impl List {
         self.free.push(id);
     }
 
-    /// All nodes from left to right; the first one is the left end, in place 0.
+    /// Iterates over all nodes from left to right; the first one is the left end, in slot 0.
     pub fn iter(&self) -> impl Iterator<Item = &Node> {
         let mut id = if self.nodes.is_empty() { NONE } else { 0 };
         std::iter::from_fn(move || {

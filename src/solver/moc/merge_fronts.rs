@@ -1,18 +1,17 @@
 //! Merging of fronts: neighbouring waves of one kind are merged if the change of the solution is within the tolerance.
 //!
-//! Where fans meet reflections, waves multiply without end, ever weaker and closer together. At any moment the
-//! solution is a sum of step functions of x, one for each kind of wave: elastic waves in +x, elastic waves in -x,
-//! plastic waves of one speed, and the histories, which stand still. The steps of each function are merged by themselves: two
-//! neighbouring steps are replaced by their mean over their common length. That keeps momentum, displacement and
-//! plastic work exactly, and leaves pure waves pure. It takes a little energy, the spread of what is averaged, which is
-//! booked. Where waves of two kinds cancel each other (an unloading wave within the loading waves that it overtakes), a mean of one kind
-//! can hold more energy than what it replaces: over a run such merges may give no more than the front tolerance's part of the energy, and what
-//! others have taken. What a merge changes is measured as it is done: two steps become one only where the integral of |change| over x
-//! stays below the allowance. Nothing is ever averaged across an end or a joint, and next to one only histories are: a piece between a joint
-//! and a place where histories differ would stay for good, however short, and every wave that enters it would reverberate.
+//! Where fans meet reflections, waves multiply without end and become weaker and closer together. At any time the solution is a sum of step functions
+//! of x, one for each kind of wave: elastic waves in +x, elastic waves in -x, plastic waves of each speed, and stationary histories. The steps of
+//! each function are merged separately: two neighbouring steps are replaced by their mean over their common length. That conserves momentum,
+//! displacement and plastic work exactly, and leaves each wave purely of its kind. It removes a little energy, the spread of the averaged values,
+//! which is accounted for. Where waves of two kinds cancel each other (an unloading wave within the loading waves that it overtakes), a mean of one
+//! kind can contain more energy than what it replaces. Over a run, such merges may add at most the front tolerance times the energy plus the energy
+//! that other merges have removed. The change by a merge is measured as it is done: two steps are merged only if the integral of |change| over x
+//! stays below the allowance. Nothing is averaged across an end or joint, and next to one only histories are: a piece between a joint and a place
+//! where histories differ would stay for good, however short, and every wave that enters it would reverberate.
 //!
-//! To hold weak waves back where they arise, until the next front comes by, is not good enough: measured, the steps in
-//! velocity that stay behind at thousands of contacts add up to more than the signal, even if each is tiny.
+//! It is not sufficient to hold back weak waves where they arise until the next front arrives: measurements show that the velocity steps left at
+//! thousands of contacts add up to more than the signal, even if each is tiny.
 
 use super::FrontTracking;
 use super::list::{Kind, NONE, Node};
@@ -22,7 +21,7 @@ use super::place::Content;
 use super::tracking::Unshown;
 use crate::wave::riemann::{Flow, Point};
 
-/// Speeds closer than this part of the elastic wave speed are one speed.
+/// Relative difference (of the elastic wave speed) below which two speeds count as equal.
 const SAME_SPEED: f64 = 1e-9;
 
 impl FrontTracking {
@@ -49,7 +48,7 @@ impl FrontTracking {
         self.merging.passed(nodes, self.events);
     }
 
-    /// The list as arrays: nodes, where they are, how fast (none: a border), and the pieces to their right with their lengths. Returns the
+    /// Copies the list to arrays: nodes, positions, speeds (`None` for a border), and the pieces to their right with their lengths. Returns the
     /// energy of the bar, J.
     fn spread_out(&self, scratch: &mut Scratch) -> f64 {
         scratch.clear();
@@ -78,19 +77,19 @@ impl FrontTracking {
         content.energy
     }
 
-    /// The steps between two borders, kind by kind.
+    /// Collects the steps between two borders, kind by kind.
     fn collect_between(&self, scratch: &mut Scratch, start: usize, end: usize) {
         let segment = self.list.get(scratch.ids[start]).segment as usize;
         let medium = &self.media[segment];
         let same = SAME_SPEED * medium.c0();
         let elastic = scratch.pieces[start..end].iter().all(|piece| medium.is_on_elastic_line(piece));
-        // A state off its curve means nothing where the curve is all the law: beyond the elastic line only waves that follow each
-        // other directly, along one line of the curve, can become one.
+        // If the curve is the whole law, a state off its curve is meaningless: beyond the elastic line only waves that follow each other directly
+        // along one line of the curve can be merged.
         let across = elastic || medium.flow != Flow::PathIndependent;
         scratch.kind.clear();
         scratch.kind.extend((start + 1..end).filter_map(|i| scratch.wave[i].map(|speed| (speed, i))));
         if across && !elastic && scratch.kind.iter().any(|&(speed, _)| speed == 0.0) {
-            // The histories go up to the borders.
+            // Histories extend to the borders.
             scratch.kind.extend([(0.0, start), (0.0, end)]);
         }
         scratch.kind.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -98,7 +97,7 @@ impl FrontTracking {
         while first < scratch.kind.len() {
             let speed = scratch.kind[first].0;
             let last = first + scratch.kind[first..].partition_point(|k| k.0 - speed <= same);
-            // Speeds that differ by rounding are out of order in x.
+            // Nodes whose speeds differ by rounding are not in order of x.
             scratch.kind[first..last].sort_unstable_by_key(|k| k.1);
             while first < last {
                 let next = if across { last } else { first + neighbours(&scratch.kind[first..last]) };
@@ -110,14 +109,14 @@ impl FrontTracking {
         }
     }
 
-    /// Takes out the nodes that are gone and sets the states and interactions of the others.
+    /// Removes the nodes that were merged, and sets states and interactions of the others.
     fn put_back(&mut self, scratch: &Scratch) {
         let last = scratch.ids.len() - 1;
         for i in (1..last).filter(|&i| scratch.gone[i] || scratch.lifted[i - 1] || scratch.lifted[i]) {
             let (left, node) = (self.list.get(scratch.ids[i - 1]).right, *self.list.get(scratch.ids[i]));
             let changed = left != scratch.pieces[i - 1] || node.right != scratch.pieces[i];
             if node.kind == Kind::Front && (scratch.gone[i] || changed) {
-                // Its front segment ends here, and another one begins.
+                // The front segment ends here, and another one begins.
                 self.keep_front_segment(&node);
                 self.book_work_of(&node);
                 let node = self.list.get_mut(scratch.ids[i]);
@@ -140,10 +139,10 @@ impl FrontTracking {
 }
 
 impl FrontTracking {
-    /// Adds the plastic work that a front, which may be a mean, has done since its start and that the work behind it does not show. The mean
-    /// of two waves has their mean work, but the work of a jump goes with the square of its height: of a wave that rises evenly and becomes one
-    /// front, the mean is more than the front does. Merging of waves of other kinds may even bring it to a stress of the other sign. What it
-    /// gives as it runs on is no plastic work, since no material flows against its stress less its back stress.
+    /// Adds the plastic work that a front, possibly a mean, has done since its start and that the work of the state behind it does not contain. The
+    /// mean of two waves has their mean work, but the work of a jump is proportional to the square of its height: if an evenly rising wave has become
+    /// one front, the mean exceeds the work of the front. Merging of waves of other kinds may even bring a front to a stress of the opposite sign.
+    /// The energy that it returns as it runs is not plastic work, since no material flows against its stress minus its back stress.
     fn add_unshown(&self, node: &Node, sum: &mut Unshown) {
         if node.kind != Kind::Front || !self.merging.is_on() {
             return;
@@ -165,14 +164,14 @@ impl FrontTracking {
         sum.against += passed(against);
     }
 
-    /// Books it, before the front goes or changes.
+    /// Adds this work to the sums, before the front changes or is removed.
     pub(super) fn book_work_of(&mut self, node: &Node) {
         let mut sum = self.booked.unshown;
         self.add_unshown(node, &mut sum);
         self.booked.unshown = sum;
     }
 
-    /// Of all fronts so far.
+    /// Returns this work for all fronts so far.
     pub(super) fn all_unshown(&self) -> Unshown {
         let mut sum = self.booked.unshown;
         self.list.iter().for_each(|node| self.add_unshown(node, &mut sum));

@@ -1,4 +1,4 @@
-//! Which neighbouring steps of one kind become one, and what that changes.
+//! Selection of the neighbouring steps of one kind that are merged, and the change that this causes.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -10,56 +10,56 @@ use super::place::Content;
 use super::scale::softness;
 use crate::wave::riemann::{Flow, Medium, Path, Point};
 
-/// The allowance, over (front tolerance)^2 times stress scale times length. Steps of height delta that are delta apart
-/// make up a smooth wave to within delta; those that are a little closer become one.
+/// Allowance relative to (front tolerance)^2 times stress scale times length. Steps of relative height delta at relative distances delta represent a
+/// smooth wave to within delta; steps that are a little closer are merged.
 const ALLOWANCE: f64 = 5.0;
 
-/// A merge that changes less than this part of the allowance may leave a point past its yield stress, by the front tolerance's part of the
-/// stress scale. Larger ones may not: a point past its yield stress flows too little from then on and keeps its stress too high, so such
-/// errors would add up in one sense; but the clusters of waves between two plastic fronts that close in on each other have no other way
-/// out. What stays behind there is a speck at first only: pieces between fronts that part from each other have no length yet where they
-/// begin, so that a merge changes little whatever it does to their stress. Hence the bound on the stress itself.
+/// Fraction of the allowance below which a merge may leave a point past its yield stress, by up to the front tolerance times the stress scale. Merges
+/// with larger changes may not do so: a point past its yield stress flows too little from then on and keeps too high a stress, so that such errors
+/// would add up in one sense. Small changes have to be allowed because clusters of waves between two converging plastic fronts cannot be merged
+/// otherwise. A piece left there is short only at first: pieces between diverging fronts have no length where they begin, so that a merge changes
+/// little whatever it does to their stress. Hence the bound on the stress itself.
 const TRIFLE: f64 = 0.25;
 
-/// A wave is a jump that changes the stress by more than this part of the stress scale, and by more than this many front tolerances of it. Where nothing
-/// has flowed, the states on both sides of a jump change by no more than [`AT_JUMP`] squared tolerances: largest stresses are behind jumps, and the
-/// mean of a wave that decays behind one is less than its largest stress by some tolerances. (Where plastic waves run to and fro, jumps multiply, and
-/// so would what is kept beside them.)
+/// Least stress change of a jump, relative to the stress scale, and in front tolerances; the larger one applies. Where nothing has flowed, merging
+/// changes the states on both sides of a jump by at most [`AT_JUMP`] times the tolerance squared times the stress scale: the largest stresses occur
+/// behind jumps, and the mean of a wave that decays behind a jump is lower than its largest stress by several tolerances. (Where plastic waves run to
+/// and fro, jumps multiply, and so would the waves kept beside them.)
 const JUMP: f64 = 0.05;
 const JUMP_TOLERANCES: f64 = 8.0;
 const AT_JUMP: f64 = 0.02;
 
-/// Below this many nodes merging waits for events: a passage costs more than the few events that it could save.
+/// Number of nodes below which merging waits for events: a pass would cost more than the few events that it could save.
 const FEWEST: usize = 64;
 
-/// Merging is due after a growth by this part, by `LEAST_GROWTH` nodes at the least, and after this many events a node.
+/// Merging is due after the number of nodes has grown by one part in `GROWTH`, at least by `LEAST_GROWTH` nodes, or after this many events per node.
 const GROWTH: usize = 32;
 const LEAST_GROWTH: usize = 8;
 const EVENTS_A_NODE: u64 = 8;
 
-/// What merging is allowed, and what it did.
+/// Limits of merging, and the sums of what it has changed.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct FrontMerging {
-    /// Largest integral of |change| of one merge, Pa m; 0: nothing is merged.
+    /// Largest integral of |change| of one merge, Pa m; 0 if nothing is merged.
     allowance: f64,
-    /// Sum of all of them, Pa m.
+    /// Sum of these integrals over all merges, Pa m.
     pub changed: f64,
-    /// Energy taken, J.
+    /// Energy removed from the bar, J.
     pub energy: f64,
-    /// Energy that the present passage may give, J. Where waves of another kind run through those that are merged, and the two cancel
-    /// each other, a mean holds more energy than what it replaces.
+    /// Energy that the current pass may add, J. Where waves of another kind run through the merged ones and cancel them, a mean contains more energy
+    /// than the waves that it replaces.
     credit: f64,
-    /// The largest energy that the bar has held, J.
+    /// Largest energy that the bar has contained, J.
     largest: f64,
     tolerance: f64,
-    /// How far a trifle may take a point past its yield stress, Pa.
+    /// Stress by which a merge with a small change may take a point past its yield stress, Pa.
     overstress: f64,
-    /// Least change of a jump, Pa, and largest one of the states beside it.
+    /// Least stress change of a jump, and largest change of the states beside it, Pa.
     jump: f64,
     kept: f64,
-    /// For each segment: stress over E times plastic strain where the loading curve reaches the stress scale over its softness.
+    /// For each segment, stress over E times plastic strain where the loading curve reaches the stress scale divided by the segment's softness.
     secant: Vec<f64>,
-    /// For each segment how much more a change of its stress counts, see [`softness`].
+    /// For each segment, the weight of its stress changes, see [`softness`].
     softness: Vec<f64>,
     due_at_nodes: usize,
     due_at_events: u64,
@@ -67,13 +67,13 @@ pub(super) struct FrontMerging {
     pub scratch: Scratch,
 }
 
-/// Arrays that are used again and again.
+/// Arrays that are reused from pass to pass.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
     pub ids: Vec<u32>,
     pub x: Vec<f64>,
     pub wave: Vec<Option<f64>>,
-    /// States to the right of the nodes, how long they are, m, and which of them a merge has changed.
+    /// States to the right of the nodes, their lengths (m), and whether a merge has changed them.
     pub pieces: Vec<Point>,
     pub lengths: Vec<f64>,
     pub lifted: Vec<bool>,
@@ -84,30 +84,31 @@ pub(super) struct Scratch {
     trial: Vec<Point>,
 }
 
-/// A step of one kind's function: over the pieces `first..last`, between two nodes of that kind, or of histories between one and a border.
+/// A step of the step function of one kind: it covers the pieces `first..last`, between two nodes of that kind, or for histories also between a node
+/// and a border.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     first: usize,
     last: usize,
     length: f64,
-    /// Height above the piece before the first node of its kind, or above the first piece where that node is a border.
+    /// Height above the piece before the first node of its kind, or above the first piece if that node is a border.
     height: Point,
     segment: usize,
-    /// Nothing has flowed around it.
+    /// Whether nothing has flowed around it.
     elastic: bool,
-    /// The steps to its left and right that are next to it; `NONE` where there is none.
+    /// Indices of the neighbouring steps to its left and right; `NONE` if there is none.
     sides: [usize; 2],
     merged: bool,
 }
 
 const NONE: usize = usize::MAX;
 
-/// Last bits of a change that may be rounding, and the part of the allowance below which all of it may be.
+/// Number of trailing bits of a change that may be rounding, and fraction of the allowance below which a change may be all rounding.
 const ROUNDING_BITS: u32 = 20;
 const NO_CHANGE: f64 = 1e-9;
 
-/// Neighbouring steps, what changes if they become one, Pa m, how far they are from the middle of the bar, m, and the speed of their waves
-/// away from it, m/s.
+/// Two neighbouring steps, the change if they are merged (Pa m), their distance from the middle of the bar (m), and the speed of their waves away
+/// from it (m/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Pair {
     change: f64,
@@ -117,8 +118,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// Changes that are equal but for rounding, as of the even steps of a ramp, are taken from the middle of the bar outwards, and where two
-    /// waves are at one place the one that runs inwards first.
+    /// Orders pairs by change. Changes that are equal but for rounding, like those of the even steps of a ramp, are ordered from the middle of the
+    /// bar outwards; for two waves at the same position, the one that runs inwards comes first.
     fn compare(&self, other: &Self) -> Ordering {
         let rounded =
             |pair: &Self| (pair.change.to_bits() >> ROUNDING_BITS, pair.from_middle.to_bits() >> ROUNDING_BITS);
@@ -148,7 +149,7 @@ impl FrontMerging {
         merging
     }
 
-    /// From now on merging is relative to this stress, Pa, on a bar of this length, m.
+    /// Sets the stress (Pa) and the bar length (m) to which merging is relative.
     pub fn relate_to(&mut self, stress_scale: f64, media: &[Medium], length: f64) {
         self.allowance = ALLOWANCE * self.tolerance * self.tolerance * stress_scale * length;
         self.overstress = self.tolerance * stress_scale;
@@ -159,32 +160,32 @@ impl FrontMerging {
             media.iter().zip(&self.softness).map(|(m, softness)| secant(m, stress_scale / softness)).collect();
     }
 
-    /// Whether there is a tolerance.
+    /// Returns whether there is a tolerance.
     pub fn is_on(&self) -> bool {
         self.allowance > 0.0
     }
 
-    /// Starts a passage through a bar of so much energy: it may give what earlier ones have taken, together with what merged fronts have done
-    /// since beyond their mean work (`unshown`, J), and the front tolerance's part of the largest energy.
+    /// Starts a pass through a bar that contains this energy. The pass may add the energy that earlier passes have removed, the work that merged
+    /// fronts have done since beyond their mean work (`unshown`, J), and the front tolerance times the largest energy.
     pub fn start(&mut self, energy: f64, unshown: f64) {
         self.largest = self.largest.max(energy);
         self.credit = (self.energy + unshown + self.tolerance * self.largest).max(0.0);
     }
 
-    /// Notes a passage that left so many nodes, after so many events.
+    /// Records a pass that left this number of nodes, after this number of events.
     pub fn passed(&mut self, nodes: usize, events: u64) {
         self.due_at_nodes = (nodes + (nodes / GROWTH).max(LEAST_GROWTH)).max(FEWEST);
         self.due_at_events = events + EVENTS_A_NODE * nodes.max(FEWEST) as u64;
     }
 
-    /// Whether so many nodes and events call for a passage.
+    /// Returns whether this number of nodes or events requires a pass.
     pub fn is_due(&self, nodes: usize, events: u64) -> bool {
         self.is_on() && (nodes > self.due_at_nodes || events > self.due_at_events)
     }
 }
 
 impl Scratch {
-    /// Forgets the nodes of the passage before.
+    /// Clears the nodes of the previous pass.
     pub fn clear(&mut self) {
         self.ids.clear();
         self.x.clear();
@@ -195,7 +196,7 @@ impl Scratch {
         self.gone.clear();
     }
 
-    /// Adds the steps between the nodes `kind[from..to]`, all of one kind; `elastic`: nothing has flowed between the borders around them.
+    /// Adds the steps between the nodes `kind[from..to]`, all of one kind. `elastic`: nothing has flowed between the borders around them.
     pub fn collect(&mut self, from: usize, to: usize, segment: usize, elastic: bool) {
         let start = self.steps.len();
         let mut height = Point::default();
@@ -214,7 +215,7 @@ impl Scratch {
         }
     }
 
-    /// Puts one step in the place of two neighbours.
+    /// Replaces two neighbouring steps by one.
     fn replace(&mut self, [a, b]: [usize; 2], height: Point) -> usize {
         let (left, right) = (self.steps[a], self.steps[b]);
         let k = self.steps.len();
@@ -230,9 +231,10 @@ impl Scratch {
         k
     }
 
-    /// Lifts the pieces of two steps to one height and returns the energy and momentum that this takes. Not if that takes less than `least`, nor if it
-    /// takes one of them past its yield stress by more than `most` (Pa), or further than it is, nor if it takes back flow that never was: where
-    /// plastic waves of both directions are, the mean of one kind can be less than what the others have done.
+    /// Brings the pieces of two steps to one height and returns the energy and momentum that this removes. Returns `None` and changes nothing if the
+    /// energy would be less than `least`; if a piece would be past its yield stress by more than `most` (Pa) and by more than it is already; or if
+    /// flow would be taken back that never happened, because where plastic waves of both directions exist the mean of one kind can be less than the
+    /// flow due to the others.
     fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, most: f64, least: f64) -> Option<Content> {
         self.trial.clear();
         let rounding = REST * medium.round_off;
@@ -269,9 +271,9 @@ impl Scratch {
 }
 
 impl FrontMerging {
-    /// Makes neighbouring steps one as long as that changes no more than allowed, and marks the nodes that go. Those that change the least come
-    /// first, wherever they are: in the order of place a bar and its mirror image would be merged in different ways. Returns what this takes
-    /// from the bar.
+    /// Merges neighbouring steps as long as the change is within the allowance, and marks the nodes to be removed. Pairs with the smallest change
+    /// come first, wherever they are: in the order of positions a bar and its mirror image would be merged differently. Returns the energy and
+    /// momentum that this removes from the bar.
     pub fn merge(&mut self, scratch: &mut Scratch, media: &[Medium]) -> Content {
         let mut all = Content::default();
         for k in 0..scratch.steps.len() {
@@ -304,7 +306,7 @@ impl FrontMerging {
         all
     }
 
-    /// Notes two steps that may become one.
+    /// Adds two steps to the candidates for merging.
     fn consider(&self, steps: [usize; 2], scratch: &mut Scratch, media: &[Medium]) {
         if !steps.contains(&NONE) {
             let pair = self.pair(steps, scratch, media);
@@ -312,13 +314,13 @@ impl FrontMerging {
         }
     }
 
-    /// Two steps and what changes if they become one; none where that is more than allowed.
+    /// Returns two steps and the change if they are merged; `None` if it exceeds the allowance.
     fn pair(&self, steps: [usize; 2], scratch: &Scratch, media: &[Medium]) -> Option<Pair> {
         let [a, b] = steps.map(|k| &scratch.steps[k]);
         let medium = &media[a.segment];
         let (distance, share) = (self.distance(&a.height, &b.height, medium, a.segment), share(a, b));
         let change = distance * 2.0 * a.length * share;
-        // Histories are steepest beside ends and joints, and what has flowed there is looked at most.
+        // Histories are steepest beside ends and joints, where the flow matters most, so that less change is allowed.
         let at_border = [a.first, b.last].iter().any(|&node| scratch.wave[node].is_none());
         let allowance = if at_border { TRIFLE * self.allowance } else { self.allowance };
         if change > allowance || a.elastic && self.blunts([a, b], distance, share, scratch, medium) {
@@ -330,8 +332,8 @@ impl FrontMerging {
         Some(Pair { change, from_middle: beyond_middle.abs(), outwards, steps })
     }
 
-    /// A mean of two steps, of which the second is `share` of both, would change the height of one beside a jump: of a wave that decays behind the jump,
-    /// not of a short pulse between two.
+    /// Returns whether the mean of two steps, the second of which has the fraction `share` of their length, would change the height of a step beside
+    /// a jump. This applies to a wave that decays behind the jump, not to a short pulse between two jumps.
     fn blunts(&self, [a, b]: [&Step; 2], distance: f64, share: f64, scratch: &Scratch, medium: &Medium) -> bool {
         let between = distance > self.jump;
         let blunted = |step: &Step, side: usize, share: f64| {
@@ -340,7 +342,7 @@ impl FrontMerging {
         blunted(a, 0, share) || blunted(b, 1, 1.0 - share)
     }
 
-    /// How far the height on the other side of a step's first (0) or last (1) node is from its own, Pa.
+    /// Difference between the heights on both sides of a step's first (0) or last (1) node, Pa.
     fn beside(&self, step: &Step, side: usize, scratch: &Scratch, medium: &Medium) -> f64 {
         let (node, neighbour) = ([step.first, step.last][side], step.sides[side]);
         let heights = if neighbour == NONE {
@@ -351,8 +353,8 @@ impl FrontMerging {
         self.distance(heights[0], heights[1], medium, step.segment)
     }
 
-    /// How far two heights are apart, Pa: in stress, in the stress of an elastic wave of that velocity, or in the stress
-    /// that goes with that plastic strain. In a segment that is softer than others all of them count more.
+    /// Difference of two heights, Pa: in stress, in the stress of an elastic wave of that velocity difference, or in the stress that corresponds to
+    /// that difference of plastic strain, whichever is largest. It is weighted by the softness of the segment.
     fn distance(&self, a: &Point, b: &Point, medium: &Medium, segment: usize) -> f64 {
         let history = (a.accumulated - b.accumulated).abs().max((a.plastic - b.plastic).abs());
         let stress = (a.stress - b.stress).abs().max((a.velocity - b.velocity).abs() * medium.impedance());
@@ -360,19 +362,19 @@ impl FrontMerging {
     }
 }
 
-/// The second step's part of the length of both.
+/// Returns the fraction of the total length that belongs to the second step.
 fn share(a: &Step, b: &Step) -> f64 {
     let length = a.length + b.length;
     if length > 0.0 { b.length / length } else { 0.5 }
 }
 
-/// How many of these nodes, from the first on, are neighbours in x.
+/// Returns how many of these nodes, from the first one on, are neighbours in x.
 pub(super) fn neighbours(kind: &[(f64, usize)]) -> usize {
     1 + kind.windows(2).take_while(|pair| pair[1].1 == pair[0].1 + 1).count()
 }
 
-/// Stress over E times plastic strain where the loading curve reaches `stress`, at its largest where it never does; 1 where it is
-/// elastic up to there: a bar of smaller section can flow all the same, and what has flowed must not be averaged for nothing.
+/// Returns stress over E times plastic strain where the loading curve reaches `stress`, or at its largest stress if it never does; 1 if it is elastic
+/// up to there. A bar of smaller section can flow all the same, and flow must not be averaged at no cost.
 fn secant(medium: &Medium, stress: f64) -> f64 {
     let (mut path, mut sent) = (Path::default(), Vec::new());
     path.fill(medium, &Point::default(), 1.0);

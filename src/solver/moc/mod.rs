@@ -1,10 +1,10 @@
 //! The method of characteristics for rate-independent bars: wave-front tracking with unloading.
 //!
-//! The law is straight between knots, so from piecewise constant data every solution is piecewise constant, bounded
-//! by straight fronts in (x, t). The fronts are followed from one interaction to the next; where they meet, or reach an
-//! end, a joint or a place where histories differ, a Riemann problem ([`crate::wave::riemann`]) tells what leaves.
-//! No grid, no numerical diffusion: exact for the table, to rounding. This is the graphical method of Bohnenblust
-//! with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation Laws).
+//! The law is piecewise linear, so that piecewise constant data have a piecewise constant solution, bounded by straight fronts in (x, t). The fronts
+//! are followed from one interaction to the next. Where they meet, or reach an end, a joint or a place where histories differ, a Riemann problem
+//! ([`crate::wave::riemann`]) gives the waves that leave. There is no grid and no numerical diffusion: the solution is exact for the table, to
+//! rounding. This is the graphical method of Bohnenblust with the bookkeeping of Holden and Risebro (Front Tracking for Hyperbolic Conservation
+//! Laws).
 
 mod at_end;
 mod breaking;
@@ -46,59 +46,58 @@ pub use read::{Front, Piece, Sample};
 pub use sums::Balance;
 pub use tracking::FrontTracking;
 
-/// How a front-tracking run is carried out.
+/// Settings of a front-tracking run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// How much waves may be merged, >= 0: neighbouring waves of one kind become one where that changes the solution
-    /// by less than about the square of this times [`FrontTracking::stress_scale`] times the length. Momentum and
-    /// displacement are kept; the error of the stress is of about this order. 0: every wave is kept.
+    /// Tolerance for merging waves, >= 0: neighbouring waves of one kind are merged if that changes the solution by less than about the square of
+    /// this value times [`FrontTracking::stress_scale`] times the length. Momentum and displacement are conserved; the error of the stress is of
+    /// about this order. With 0 every wave is kept.
     pub front_tolerance: f64,
-    /// Ramps of an end's history are made into steps of this height, relative to [`FrontTracking::stress_scale`]
-    /// (velocities by the elastic impedance); strikers and springs take steps of like effect. The error goes with its
-    /// square. None: the front tolerance; below [`RAMP_STEP`] the root of their product, so that the error of ramps goes with
-    /// the tolerance; never less than [`FINEST_STEP`], which also goes with a tolerance of 0. No step of a ramp is shorter
-    /// than 1e-6 of the bar's elastic transit time.
+    /// Height of the steps that replace ramps of an end's history, relative to [`FrontTracking::stress_scale`] (velocities by the elastic impedance);
+    /// strikers and springs take steps of similar effect. The error is proportional to its square. `None` uses the front tolerance, or, below
+    /// [`RAMP_STEP`], the geometric mean of the two, so that the error of ramps is proportional to the tolerance; but at least [`FINEST_STEP`], which
+    /// also applies to a tolerance of 0. No step of a ramp is shorter than 1e-6 of the elastic transit time of the bar.
     pub ramp_step: Option<f64>,
-    /// Most events that a run may take.
+    /// Largest number of events of a run.
     pub event_budget: u64,
-    /// Keep the front segments of fronts that end, for [`FrontTracking::take_front_segments`].
+    /// Whether the front segments of ended fronts are kept for [`FrontTracking::take_front_segments`].
     pub front_segments: bool,
-    /// End with [`Stopped::AtLimit`] where nothing is known of a material any more; else such points are only noted, see
+    /// Whether the run ends with [`Stopped::AtLimit`] at the end of the data of a material. Otherwise such points are only recorded, see
     /// [`FrontTracking::passed`].
     pub stop_at_limits: bool,
 }
 
-/// The error of a coarser companion, over the run's; that of the run, over a finer companion's.
+/// Error of a coarser companion run relative to that of the run, and of the run relative to that of a finer one.
 pub const COMPANION_RATIO: f64 = 3.0;
 
-/// The front tolerance below which the step of ramps falls with the root of the tolerance only.
+/// Front tolerance below which the step of ramps decreases only with the square root of the tolerance.
 pub const RAMP_STEP: f64 = 1e-3;
 
-/// The finest step of ramps that goes with any front tolerance: waves cross in numbers that go with its inverse square.
+/// Smallest default step of ramps for any front tolerance: the number of wave crossings increases with its inverse square.
 pub const FINEST_STEP: f64 = 1e-4;
 
 impl Settings {
-    /// The step of ramps that goes with these settings: never finer for a larger front tolerance.
+    /// Returns the step of ramps for these settings; a larger front tolerance never gives a smaller step.
     pub fn step(&self) -> f64 {
         let finer = (RAMP_STEP * self.front_tolerance).sqrt();
         self.ramp_step.unwrap_or_else(|| self.front_tolerance.max(finer).max(FINEST_STEP))
     }
 
-    /// The settings of a companion with [`COMPANION_RATIO`] times the error.
+    /// Returns the settings of a companion run with [`COMPANION_RATIO`] times the error.
     #[must_use]
     pub fn coarser(self) -> Self {
         let front_tolerance = COMPANION_RATIO * self.front_tolerance;
         Self { front_tolerance, ramp_step: Some(front_tolerance.max(self.step_factor() * self.step())), ..self }
     }
 
-    /// The settings of a companion with this part of the error.
+    /// Returns the settings of a companion run with the error divided by [`COMPANION_RATIO`].
     #[must_use]
     pub fn finer(self) -> Self {
         let front_tolerance = self.front_tolerance / COMPANION_RATIO;
         Self { front_tolerance, ramp_step: Some(front_tolerance.max(self.step() / self.step_factor())), ..self }
     }
 
-    /// The step of ramps, over that of a companion. The error of merged waves is proportional to the tolerance; that of ramps to the
+    /// Returns the factor between the ramp steps of companion runs. The error of merged waves is proportional to the tolerance, that of ramps to the
     /// square of their steps, which are larger than tolerances below [`RAMP_STEP`].
     fn step_factor(&self) -> f64 {
         if self.front_tolerance < self.step() { COMPANION_RATIO.sqrt() } else { COMPANION_RATIO }
@@ -117,28 +116,28 @@ impl Default for Settings {
     }
 }
 
-/// Why a run stopped before its end.
+/// Reason why a run stopped before its end.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Stopped {
-    /// More events than allowed; the bar stands at the time reached and can be read.
+    /// More events than allowed. The bar is valid at the time reached and can be read.
     #[error("front tracking reached its limit of {events} events at t = {time:.6e} s with {fronts} active fronts")]
     EventBudget {
         /// Time reached, s.
         time: f64,
         /// Events so far.
         events: u64,
-        /// Fronts under way.
+        /// Number of active fronts.
         fronts: usize,
     },
-    /// A stress or velocity that is not a number.
+    /// A stress or velocity that is not finite.
     #[error("front tracking found a state that is not a number at t = {time:.6e} s, x = {x:.6e} m")]
     NotANumber {
         /// Time, s.
         time: f64,
-        /// Place, m.
+        /// Position, m.
         x: f64,
     },
-    /// A point at which nothing is known of its material any more.
+    /// A point that reached the end of the data of its material.
     #[error("front tracking reached the end of the material data at t = {:.6e} s, x = {:.6e} m", .0.time, .0.x)]
     AtLimit(PointAtLimit),
 }

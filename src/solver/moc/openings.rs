@@ -2,26 +2,26 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A place at rest whose two sides differ in velocity.
+/// A stationary position whose two sides differ in velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Opening {
-    /// m.
+    /// Position, m.
     pub x: f64,
-    /// s.
+    /// Time since which it exists, s.
     pub since: f64,
-    /// Velocity of the right side less that of the left, m/s: positive where it opens.
+    /// Velocity of the right side minus that of the left, m/s: positive if it opens.
     pub velocity: f64,
     /// Segment and stress (Pa) of the left and of the right side.
     pub sides: [(usize, f64); 2],
 }
 
-/// Parts of the bar for which openings are added up: each opening is small, and there can be millions.
+/// Number of parts of the bar for which openings are summed: each opening is small, and there can be millions.
 const PARTS: usize = 4096;
 
-/// What velocity jumps at rest have opened for good, added up over small parts of the bar.
+/// Permanent openings of stationary velocity jumps, summed over small parts of the bar.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Openings {
-    /// One entry a part, m; empty until there is an opening.
+    /// Sum for each part, m; empty until there is an opening.
     parts: Vec<f64>,
 }
 
@@ -31,7 +31,7 @@ impl Openings {
         self.parts[((share * PARTS as f64) as usize).min(PARTS - 1)] += opening;
     }
 
-    /// Adds, at every place of `x` (increasing), what has opened to its left.
+    /// Adds to `out`, for every position of `x` (increasing), the openings to its left.
     pub fn add_up(&self, x: &[f64], length: f64, out: &mut [f64]) {
         if self.parts.is_empty() {
             return;
@@ -43,7 +43,7 @@ impl Openings {
                 sum += self.parts[k];
                 k += 1;
             }
-            // Within a part, as if it had opened evenly.
+            // Within a part, openings are distributed evenly.
             *out += sum + self.parts.get(k).map_or(0.0, |part| part * (place - k as f64));
         }
     }

@@ -1,15 +1,15 @@
-//! Lengths of pieces beyond the rounding of places, and the account of what that rounding moves.
+//! Lengths of pieces beyond the rounding of positions, and the accounting of what that rounding shifts.
 //!
-//! Places and times are rounded to 1e-16 of the bar's length and of the time. For a wave as short as 1e-9 of the bar that is
-//! 1e-7 of its length, and of its energy. Two measures keep the account of energy and momentum: lengths are differences of
-//! places held as unevaluated sums of two numbers (T. J. Dekker, Numerische Mathematik 18 (1971) 224), and where nodes are
-//! brought to one point what the shift adds to the bar or takes from it is booked.
+//! Positions and times are rounded to 1e-16 of the bar's length and of the time. For a wave as short as 1e-9 of the bar that is 1e-7 of its length,
+//! and of its energy. Two measures keep energy and momentum balanced: lengths are differences of positions stored as unevaluated sums of two numbers
+//! (T. J. Dekker, Numerische Mathematik 18 (1971) 224), and where nodes are moved to a common point, the energy and momentum that this adds to or
+//! removes from the bar are accounted for.
 
 use serde::{Deserialize, Serialize};
 
 use super::list::Node;
 
-/// A place, m: an unevaluated sum of some 32 digits.
+/// A position, m: an unevaluated sum of some 32 digits.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     high: f64,
@@ -21,7 +21,7 @@ impl Place {
         Self { high: x, low: 0.0 }
     }
 
-    /// Distance from `other` to this place, m.
+    /// Distance from `other` to this position, m.
     pub(super) fn from(self, other: Self) -> f64 {
         (self.high - other.high) + (self.low - other.low)
     }
@@ -40,7 +40,7 @@ impl Node {
     }
 }
 
-/// The sum of two numbers and its rounding (D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2).
+/// Returns the sum of two numbers and its rounding error (D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let of_b = sum - a;
@@ -54,14 +54,14 @@ pub(super) struct Content {
     pub momentum: f64,
 }
 
-/// What bringing nodes to one point has given to the bar so far.
+/// Sums of what moving nodes to common points has added to the bar so far.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Shifted {
-    /// J, positive where the bar gained.
+    /// Energy, J, positive if the bar gained.
     pub energy: f64,
-    /// N s.
+    /// Momentum, N s.
     pub momentum: f64,
-    /// Sum of the magnitudes of the energies, J.
+    /// Sum of the magnitudes of the energy changes, J.
     pub turnover: f64,
 }
 

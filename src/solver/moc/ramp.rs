@@ -1,36 +1,36 @@
-//! Prescribed end histories: ramps become steps, each computed when it is due.
+//! Prescribed end histories: ramps are replaced by steps, each computed when it is due.
 
 use crate::bar::ends::{Face, Relation};
 use crate::bar::{EndCondition, History};
 
-/// Steps of a ramp are no shorter than this part of the elastic transit time: their staircase moves the stress of a wave by
-/// less than this part of the bar's length.
+/// Shortest step of a ramp relative to the elastic transit time: the staircase shifts the stress of a wave by less than this fraction of the bar's
+/// length.
 pub(super) const SHORTEST: f64 = 1e-6;
 
-/// A history with its ramps made into steps of one height, each in the middle of its part of the ramp, so that the integral
-/// over the ramp stays the same. Between ramps, and at jumps, it is the history itself.
+/// A history whose ramps are replaced by steps of equal height, each in the middle of its part of the ramp, so that the integral over the ramp is
+/// unchanged. Between ramps, and at jumps, it is the history itself.
 #[derive(Debug, Clone)]
 pub(super) struct Staircase {
     history: History,
     /// Largest height of a step, > 0.
     increment: f64,
-    /// Shortest step, s; a ramp has one step at the least.
+    /// Shortest step, s; a ramp has at least one step.
     shortest: f64,
 }
 
-/// A velocity or a stress that an end imposes.
+/// A velocity or stress that an end imposes.
 #[derive(Debug, Clone)]
 pub(super) struct Imposed {
     staircase: Staircase,
-    /// Relation at a value of 1.
+    /// Relation for a value of 1.
     unit: Relation,
-    /// From then on the end is free, s.
+    /// Time from which on the end is free, s.
     release: f64,
 }
 
 impl Imposed {
-    /// Of an end whose ramps become steps of `stress` (Pa; velocities by the elastic impedance), none shorter than
-    /// [`SHORTEST`] of the elastic transit time `transit` (s). None where nothing is imposed over time.
+    /// Creates the imposed value of an end whose ramps become steps of `stress` (Pa; velocities by the elastic impedance), none shorter than
+    /// [`SHORTEST`] of the elastic transit time `transit` (s). `None` if the end imposes no history.
     pub fn new(condition: &EndCondition, face: &Face, stress: f64, transit: f64) -> Option<Self> {
         let (history, unit, release) = match condition {
             EndCondition::Velocity { history, release } => (history, Relation::velocity(face.inward), *release),
@@ -43,28 +43,28 @@ impl Imposed {
         Some(Self { staircase, unit, release: release.unwrap_or(f64::INFINITY) })
     }
 
-    /// True where its history has a ramp.
+    /// Returns whether the history has a ramp.
     pub fn needs_steps(&self) -> bool {
         self.staircase.history.has_ramp()
     }
 
-    /// What it asks from t (s) on.
+    /// Returns the relation that applies from t (s) on.
     pub fn relation(&self, t: f64) -> Relation {
         Relation { value: self.unit.value * self.staircase.at(t), ..self.unit }
     }
 
-    /// Whether the end is free from t (s) on.
+    /// Returns whether the end is free from t (s) on.
     pub fn is_over(&self, t: f64) -> bool {
         self.release <= t
     }
 
-    /// When it next changes after t (s), s.
+    /// Returns the time of the next change after t (s), s.
     pub fn next_after(&self, t: f64) -> f64 {
         self.staircase.next_after(t).min(self.release)
     }
 }
 
-/// A stretch of the history between two rows, and the number of steps that it is made into.
+/// Interval of the history between two rows, and number of steps into which it is divided.
 struct Ramp {
     start: f64,
     duration: f64,
@@ -93,12 +93,12 @@ impl Ramp {
 }
 
 impl Staircase {
-    /// `increment` in units of the history, `shortest` in s, both > 0.
+    /// Creates a staircase. `increment` is in units of the history, `shortest` in s, both > 0.
     pub fn new(history: &History, increment: f64, shortest: f64) -> Self {
         Self { history: history.clone(), increment, shortest }
     }
 
-    /// The stretch in front of row `next` (> 0).
+    /// Returns the interval before row `next` (> 0).
     fn ramp(&self, next: usize) -> Ramp {
         let (t, v) = (self.history.time(), self.history.value());
         let (start, duration, rise) = (t[next - 1], t[next] - t[next - 1], (v[next] - v[next - 1]).abs());
@@ -110,7 +110,7 @@ impl Staircase {
         self.history.time().partition_point(|&row| row <= t)
     }
 
-    /// The value just after t (s).
+    /// Returns the value just after t (s).
     pub fn at(&self, t: f64) -> f64 {
         let next = self.next_row(t);
         if next == 0 || next == self.history.time().len() {
@@ -121,7 +121,7 @@ impl Staircase {
         if done == ramp.steps { ramp.to } else { ramp.from + (ramp.to - ramp.from) * (done / ramp.steps) }
     }
 
-    /// The time of the first step or row after t, s; infinite behind the last one.
+    /// Returns the time of the first step or row after t, s; infinite after the last one.
     pub fn next_after(&self, t: f64) -> f64 {
         let next = self.next_row(t);
         let Some(&row) = self.history.time().get(next) else { return f64::INFINITY };

@@ -1,4 +1,4 @@
-//! Reading of a front-tracking bar: its pieces, its fronts, and the state at a position.
+//! Readings of a front-tracking bar: its pieces, its fronts, and the state at a position.
 
 use super::FrontTracking;
 use super::end::{EndRecord, StrikerState};
@@ -10,9 +10,9 @@ use crate::wave::riemann::{Medium, Point};
 /// A constant piece of the solution.
 #[derive(Debug, Clone, Copy)]
 pub struct Piece<'a> {
-    /// Left edge now, m.
+    /// Present left edge, m.
     pub from: f64,
-    /// Right edge now, m.
+    /// Present right edge, m.
     pub to: f64,
     /// Index of its segment.
     pub segment: usize,
@@ -20,12 +20,12 @@ pub struct Piece<'a> {
     pub point: &'a Point,
 }
 
-/// A running front.
+/// An active front.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Front {
-    /// Place now, m.
+    /// Present position, m.
     pub x: f64,
-    /// m/s, positive in +x.
+    /// Speed, m/s, positive in +x.
     pub speed: f64,
     /// Index of the segment in which it runs.
     pub segment: usize,
@@ -35,33 +35,33 @@ pub struct Front {
     pub behind: Point,
 }
 
-/// The bar at a place.
+/// State of the bar at a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Pa.
+    /// Stress, Pa, tension positive.
     pub stress: f64,
     /// Engineering strain.
     pub strain: f64,
-    /// m/s.
+    /// Velocity, m/s, positive in +x.
     pub velocity: f64,
     /// Signed plastic strain.
     pub plastic_strain: f64,
 }
 
 impl FrontTracking {
-    /// Time, s.
+    /// Present time, s.
     pub fn time(&self) -> f64 {
         self.now
     }
 
-    /// Events so far: interactions, and steps of the ends.
+    /// Number of events so far: interactions, and steps of the ends.
     pub fn events(&self) -> u64 {
         self.events
     }
 
-    /// The stress to which tolerances are relative, Pa: the largest imposed or initial one, or the one at which the largest
-    /// difference of the velocities imposed and initial meets the unstressed bar.
-    /// Merging is relative to less once an end has broken off with what it was still to impose.
+    /// Stress to which tolerances are relative, Pa: the largest imposed or initial stress or, if larger, the stress that the largest difference
+    /// between imposed and initial velocities causes in the unstressed bar. Merging uses a smaller value after an end has broken off together with
+    /// the rest of its load.
     pub fn stress_scale(&self) -> f64 {
         self.stress_scale
     }
@@ -71,46 +71,46 @@ impl FrontTracking {
         self.media.len()
     }
 
-    /// Material and section of a segment.
+    /// Returns material and section of a segment.
     pub fn medium(&self, segment: usize) -> &Medium {
         &self.media[segment]
     }
 
-    /// What heats a segment, if anything does.
+    /// Returns the heating data of a segment; `None` without the effect of heat.
     pub fn heating(&self, segment: usize) -> Option<&Heating> {
         self.materials[segment].heating.as_deref()
     }
 
-    /// Temperature of a state, K, from its plastic work; not a number without the effect of heat.
+    /// Temperature of a state, K, from its plastic work; NaN without the effect of heat.
     pub fn temperature(&self, segment: usize, point: &Point) -> f64 {
         self.heating(segment).map_or(f64::NAN, |heating| heating.temperature_after(point.work))
     }
 
-    /// What happened at the left and the right end.
+    /// Returns the records of the left and the right end.
     pub fn ends(&self) -> [&EndRecord; 2] {
         [&self.ends[0].record, &self.ends[1].record]
     }
 
-    /// The striker or ball at an end (0 left, 1 right), if there is one, now.
+    /// Returns the present state of the striker or ball at an end (0 left, 1 right); `None` without one.
     pub fn striker(&self, which: usize) -> Option<StrikerState> {
         self.ends[which].striker(self.now)
     }
 
-    /// When the striker or ball at an end (0 left, 1 right) touched the bar and parted from it, in order; empty without one.
+    /// Returns the times at which the striker or ball at an end (0 left, 1 right) touched the bar and separated from it, in order; empty without one.
     ///
-    /// A contact that dies away ends where the force, followed through the middles of the last steps, is zero; in the end's
-    /// record the stress is zero from the next arrival of a wave on.
+    /// A decaying contact ends where the force, interpolated between the middles of the last steps, is zero; in the end's record, the stress is zero
+    /// from the next arrival of a wave on.
     pub fn striker_changes(&self, which: usize) -> &[JointChange] {
         self.ends[which].striker_changes()
     }
 
-    /// Energy of the bodies at the left and the right end now, J: of motion for a striker, stored for a spring, both for a ball, 0
-    /// else. It is what the body had at the start less the work done on the bar.
+    /// Present energy of the bodies at the left and the right end, J: kinetic for a striker, stored for a spring, both for a ball, otherwise 0. It
+    /// equals the energy of the body at the start minus the work done on the bar.
     pub fn body_energy(&self) -> [f64; 2] {
         self.ends.each_ref().map(|end| end.body_energy(self.now))
     }
 
-    /// The constant pieces from left to right, empty ones left out.
+    /// Iterates over the constant pieces from left to right, without empty ones.
     pub fn pieces(&self) -> impl Iterator<Item = Piece<'_>> {
         let right = self.list.iter().skip(1);
         self.list.iter().zip(right).filter_map(|(a, b)| {
@@ -125,7 +125,7 @@ impl FrontTracking {
         medium.density * medium.area * (piece.to - piece.from)
     }
 
-    /// The running fronts from left to right.
+    /// Iterates over the active fronts from left to right.
     pub fn fronts(&self) -> impl Iterator<Item = Front> + '_ {
         self.list.iter().filter(|n| n.kind == Kind::Front).map(|n| {
             let (left, right) = (self.list.get(n.prev).right, n.right);
@@ -134,7 +134,7 @@ impl FrontTracking {
         })
     }
 
-    /// The bar at x in 0..=length, now. On a front: the state behind it; on a contact or joint: the right one.
+    /// Returns the present state of the bar at x in 0..=length. On a front, the state behind it; at a contact or joint, the state to its right.
     pub fn state_at(&self, x: f64) -> Sample {
         let mut found = self.list.get(0);
         for node in self.list.iter().skip(1).filter(|n| n.kind != Kind::End) {

@@ -1,4 +1,4 @@
-//! The waves emitted from an interaction of fronts, inside the bar and at its ends.
+//! Waves emitted from an interaction of fronts, inside the bar and at its ends.
 
 use super::FrontTracking;
 use super::list::{Kind, NONE, Node};
@@ -6,18 +6,18 @@ use super::nearness::{ONE_STATE, REST, in_balance, same_motion};
 use super::tracking::Scratch;
 use crate::wave::riemann::{Emitted, Path, Point, Side, Workspace, solve};
 
-/// What two states in contact come to.
+/// Result of the Riemann problem between two states.
 struct Inside {
-    /// The states behind the waves that they send.
+    /// States behind the waves that they emit.
     behind: [Point; 2],
-    /// A level curve keeps their velocities apart.
+    /// Whether a level curve keeps the velocities of the two sides different.
     capped: bool,
-    /// Elastic waves alone, for which no paths were followed: those of the workspace belong to an earlier place.
+    /// Whether all waves are elastic, so that no paths were computed and those in the workspace belong to an earlier position.
     elastic: bool,
 }
 
 impl Scratch {
-    /// Sends the waves of two sides.
+    /// Solves the Riemann problem of two sides and emits their waves.
     fn send(&mut self, left: Side<'_>, right: Side<'_>) -> Inside {
         let star = solve(left, right, &mut self.work);
         let tau = |path: &Path| (path.sense() * star.force / path.area()).min(path.cap());
@@ -27,7 +27,7 @@ impl Scratch {
         Inside { behind: [behind_left, behind_right], capped: star.capped, elastic: false }
     }
 
-    /// The same of one elastic wave, or none, on either side.
+    /// Same for one elastic wave, or none, on either side.
     fn send_elastic(&mut self, ahead: [&Point; 2], waves: [Emitted; 2]) -> Inside {
         for (k, sent) in [&mut self.sent_left, &mut self.sent_right].into_iter().enumerate() {
             sent.clear();
@@ -38,7 +38,7 @@ impl Scratch {
 }
 
 impl FrontTracking {
-    /// Solves the Riemann problem of the nodes `first..=last` that meet at x now, and puts what it sends in their place.
+    /// Solves the Riemann problem of the nodes `first..=last` that meet at x at the present time, and replaces them by the emitted waves.
     pub(super) fn resolve(&mut self, first: u32, last: u32, x: f64) {
         self.book_shift(first, last, x);
         let before = if self.rupture.is_some() { self.beside_joint(first, last) } else { None };
@@ -62,8 +62,8 @@ impl FrontTracking {
         }
     }
 
-    /// Removes the nodes `first..=last` but for an end or joint among them, which takes over the state to the right of
-    /// them all and is returned; without one, the last node stays to be removed by the caller.
+    /// Removes the nodes `first..=last` except an end or joint among them, which receives the state to the right of all of them and is returned. If
+    /// there is none, the last node remains for the caller to remove.
     fn clear(&mut self, first: u32, last: u32) -> Option<u32> {
         let (right, mut fixed, mut id) = (self.list.get(last).right, None, first);
         loop {
@@ -92,7 +92,7 @@ impl FrontTracking {
         Some(kept)
     }
 
-    /// Books what a node has taken, opened and drawn since its states hold, before they change or it goes.
+    /// Accounts for the work, opening and front segment of a node since its states hold, before they change or the node is removed.
     fn book_end_of(&mut self, node: &Node) {
         if matches!(node.kind, Kind::Contact | Kind::Joint) {
             self.booked.concentrated += self.stretch_work(node);
@@ -102,7 +102,7 @@ impl FrontTracking {
         self.book_work_of(node);
     }
 
-    /// Removes from `first` to just before `last`.
+    /// Removes the nodes from `first` to just before `last`.
     fn remove_until(&mut self, first: u32, last: u32) {
         let mut id = first;
         while id != last {
@@ -117,14 +117,14 @@ impl FrontTracking {
         self.list.remove(id);
     }
 
-    /// What a velocity jump at a place at rest has taken since the node was set, J.
+    /// Work dissipated by a velocity jump at a stationary place since the node was set, J.
     pub(super) fn stretch_work(&self, node: &Node) -> f64 {
         let (left, right) = (self.list.get(node.prev), node);
         let force = |n: &Node| self.media[n.segment as usize].area * n.right.stress;
         0.5 * (force(left) + force(right)) * (right.right.velocity - left.right.velocity) * (self.now - node.t)
     }
 
-    /// The states on both sides of a joint among the nodes `first..=last`, before any of them comes to it.
+    /// Returns the states on both sides of a joint among the nodes `first..=last`, before any of these reaches it; `None` if there is no joint.
     fn beside_joint(&self, first: u32, last: u32) -> Option<[Point; 2]> {
         let mut id = first;
         while !self.list.get(id).is_fixed() {
@@ -137,12 +137,12 @@ impl FrontTracking {
         (node.prev != NONE).then(|| [self.list.get(node.prev).right, node.right])
     }
 
-    /// Between the piece to the right of `prev` and the state `right`, at a joint or anywhere.
+    /// Resolves the interaction between the piece to the right of `prev` and the state `right`, at a joint or anywhere.
     pub(super) fn resolve_inside(&mut self, prev: u32, joint: Option<u32>, right: Point, x: f64) {
         self.resolve_between((prev, right), joint, None, x);
     }
 
-    /// The same of sides that were in other states `before` the waves came, as those of a joint.
+    /// Same for sides that were in the states `before` until the waves arrived, as at a joint.
     fn resolve_between(&mut self, (prev, right): (u32, Point), joint: Option<u32>, before: Option<[Point; 2]>, x: f64) {
         let left = self.list.get(prev).right;
         let left_segment = self.list.get(prev).segment;
@@ -150,7 +150,7 @@ impl FrontTracking {
         let Inside { behind: [behind_left, behind_right], capped, elastic } =
             self.answer_inside((left_segment, left), (right_segment, right));
         if self.rupture.is_some() {
-            // Waves from both sides at once may bring what the joint comes to.
+            // The change of state at the joint may come from waves of both sides at once.
             let [from_left, from_right] = before.unwrap_or([left, right]);
             let sides = [(left_segment, from_left, behind_left), (right_segment, from_right, behind_right)];
             if self.breaks_inside(&sides, capped, joint, x) {
@@ -180,7 +180,7 @@ impl FrontTracking {
         self.schedule(after_new);
     }
 
-    /// The waves that two states in contact send, into the scratch of their sides.
+    /// Computes the waves emitted by two states in contact, into the scratch of their sides.
     fn answer_inside(&mut self, (left_segment, left): (u32, Point), (right_segment, right): (u32, Point)) -> Inside {
         let (a, b) = (&self.media[left_segment as usize], &self.media[right_segment as usize]);
         let inside = left_segment == right_segment;
@@ -199,8 +199,8 @@ impl FrontTracking {
             Some(waves) => self.scratch.send_elastic([&left, &right], waves),
             None => self.scratch.send(Side::Bar(a, &left), Side::Bar(b, &right)),
         };
-        // Rounding travels with a front instead of staying behind as a step at rest that the next wave meets. (A step
-        // in velocity stays where a curve is level, or so nearly level that the wave's stress is rounding.)
+        // Rounding differences travel with a front instead of remaining as a stationary step that the next wave meets. (A velocity step remains where
+        // a curve is level, or so nearly level that the stress of the wave is rounding.)
         if inside && same_motion(&behind_left, &behind_right, a, ONE_STATE) {
             if let Some(inner) = self.scratch.sent_right.last_mut() {
                 (behind_right.stress, behind_right.velocity) = (behind_left.stress, behind_left.velocity);
@@ -213,7 +213,7 @@ impl FrontTracking {
         Inside { behind: [behind_left, behind_right], capped, elastic }
     }
 
-    /// Puts the fronts sent in -x behind `prev`; the last node before x afterwards.
+    /// Inserts the fronts emitted in -x after `prev`, and returns the last node before x.
     pub(super) fn send_left(&mut self, prev: u32, x: f64, segment: u32) -> u32 {
         let mut after = prev;
         for k in 0..self.scratch.sent_left.len() {
@@ -224,7 +224,7 @@ impl FrontTracking {
         after
     }
 
-    /// Puts the fronts sent in +x behind `after`, with `ahead` before them all; the last of them.
+    /// Inserts the fronts emitted in +x after `after`, with the state `ahead` in front of them, and returns the last of them.
     pub(super) fn send_right(&mut self, mut after: u32, x: f64, ahead: Point, segment: u32) -> u32 {
         for k in (0..self.scratch.sent_right.len()).rev() {
             let state = if k == 0 { ahead } else { self.scratch.sent_right[k - 1].behind };

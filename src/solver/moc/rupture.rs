@@ -1,8 +1,8 @@
-//! Rupture where fronts meet: a place breaks in the moment in which its state would meet the criterion.
+//! Fracture where fronts meet: a section fractures at the time at which its state would meet the criterion.
 //!
-//! Every state of a tracked bar first exists at the place whose Riemann problem it answers, so that only those places need
-//! a look. The state that would break the place never comes about: both sides answer as free faces instead, and what they
-//! send runs with, or ahead of, whatever else would have been sent. Parting takes no energy.
+//! Every state of a tracked bar first exists at the position whose Riemann problem creates it, so that only those positions have to be checked. The
+//! state that would fracture the section never occurs: both sides respond as free faces instead, and the waves that they emit run with, or ahead of,
+//! all others that would have been emitted. Separation dissipates no energy.
 
 use super::FrontTracking;
 use super::breaking::{Answer, strained};
@@ -13,12 +13,12 @@ use crate::law::rupture::{Rupture, Site};
 use crate::wave::riemann::{Path, Point};
 
 impl FrontTracking {
-    /// The ruptures so far, in order of time.
+    /// Returns the fractures so far, ordered by time.
     pub fn ruptures(&self) -> &[Rupture] {
         self.rupture.as_ref().map_or(&[], |breaking| &breaking.found)
     }
 
-    /// Whether the place x, at a joint or not, breaks instead of coming to these states; if so, it is noted.
+    /// Returns whether the position x, at a joint or not, fractures instead of reaching these states, and records the fracture.
     pub(super) fn breaks_inside(&mut self, sides: &[Answer; 2], capped: bool, joint: Option<u32>, x: f64) -> bool {
         if joint.is_some_and(|id| self.contacts.iter().any(|contact| contact.node == id)) {
             return false;
@@ -29,12 +29,12 @@ impl FrontTracking {
         let gathers = capped && sides[1].2.velocity > sides[0].2.velocity;
         let breaks = |(side, path): &(&Answer, &Path)| {
             let medium = &self.media[side.0 as usize];
-            // At a joint of unlike sections only one of them may be at its largest stress.
+            // At a joint of unequal sections only one of them may be at its largest stress.
             let level = gathers && path.sense() > 0.0 && side.2.stress >= path.cap() - medium.round_off;
             breaking.breaks(side, medium, notch, level)
         };
         let paths = [&self.scratch.work.left, &self.scratch.work.right];
-        // The side that is farthest beyond its criterion is that which breaks.
+        // The side that exceeds its criterion most is the one that fractures.
         let share = |side: &Answer| {
             let medium = &self.media[side.0 as usize];
             breaking.criteria.segments[side.0 as usize].share(&strained(medium, &side.2))
@@ -46,7 +46,7 @@ impl FrontTracking {
         true
     }
 
-    /// The same of an end (0 left, 1 right); `short`: its curve cannot carry what is imposed.
+    /// Same for an end (0 left, 1 right); `short`: its curve cannot carry the imposed value.
     pub(super) fn breaks_at_end(&mut self, which: usize, answer: Answer, short: bool) -> bool {
         let Some(breaking) = &self.rupture else { return false };
         if !breaking.breaks(&answer, &self.media[answer.0 as usize], 1.0, short) {
@@ -76,28 +76,28 @@ impl FrontTracking {
         });
     }
 
-    /// With an end breaks off all that it was still to impose: from now on merging is relative to what is in the bar and what the other end
-    /// imposes. Relative to a load that never comes, all that is left might be within the tolerance.
+    /// Releases an end that breaks off together with the rest of its load. From then on merging is relative to the stresses in the bar and the load
+    /// of the other end: relative to a load that never arrives, everything left could be within the tolerance.
     pub(super) fn break_off(&mut self, which: usize) {
         self.ends[which].release();
         self.loads[which] = None;
         let pieces = self.list.iter().filter(|node| node.next != NONE);
         let points: Vec<(usize, Point)> = pieces.map(|node| (node.segment as usize, node.right)).collect();
         let scale = stress_scale(&points, &self.media, self.loads).min(self.stress_scale);
-        // Of a bar without any stress there is nothing to merge.
+        // In a bar without stress there is nothing to merge.
         if scale > 0.0 {
             self.merging.relate_to(scale, &self.media, self.list.get(self.end_nodes[1]).x);
         }
     }
 
-    /// Parts the bar at x, where nothing has been sent yet: from now on there are two faces.
+    /// Separates the bar at x, where no wave has been emitted yet: from now on there are two faces.
     pub(super) fn part(&mut self, prev: u32, joint: Option<u32>, right: Point, x: f64) {
         let segment = self.list.get(prev).segment;
         let id =
             joint.unwrap_or_else(|| self.list.insert(prev, Node::new(Kind::Joint, x, self.now, 0.0, right, segment)));
         self.contacts.push(Contact::broken(id, segment as usize, self.now));
         if !self.resolve_apart(prev, id, right, x) {
-            // Faces that press each other are as good as bonded; a place that breaks in tension has none.
+            // Faces that press against each other behave as if bonded; a section that fractures in tension has no such faces.
             self.resolve_inside(prev, Some(id), right, x);
         }
     }

@@ -7,11 +7,11 @@ use super::{FrontTracking, Stopped};
 use crate::wave::riemann::Point;
 
 impl FrontTracking {
-    /// Memory of a front under way: its node, and its next interaction in the queue.
+    /// Memory of an active front, bytes: its node, and its next interaction in the queue.
     pub const BYTES_PER_FRONT: usize = size_of::<Node>() + size_of::<Interaction>();
 
-    /// Hands on the state at every place of `x` (m, increasing, in 0..=length): its index, segment and state. One pass
-    /// over the fronts. On a front: the state behind it; on a contact or joint: the right one.
+    /// Calls `visit` with index, segment and state for every position of `x` (m, increasing, in 0..=length), in one pass over the fronts. On a front,
+    /// the state is that behind it; at a contact or joint, that to its right.
     pub fn sweep(&self, x: &[f64], mut visit: impl FnMut(usize, usize, &Point)) {
         let mut nodes = self.list.iter().peekable();
         let Some(mut found) = nodes.next() else { return };
@@ -23,16 +23,15 @@ impl FrontTracking {
         }
     }
 
-    /// Whether the state to the right of a node counts at x.
+    /// Returns whether the state to the right of a node applies at x.
     fn is_before(&self, node: &Node, x: f64) -> bool {
         let place = node.at(self.now);
         let right_end = node.kind == Kind::End;
         !right_end && (place < x || (place == x && node.speed <= 0.0))
     }
 
-    /// Displacement at every place of `x` (m, increasing), m: that of the left end, which is the integral of its exact
-    /// steps, and the strain summed up exactly over the constant pieces, with what velocity jumps at rest have opened: a
-    /// joint, a point of a level curve.
+    /// Displacement at every position of `x` (m, increasing), m: that of the left end, which is the integral of its exact steps, plus the exact sum
+    /// of the strains of the constant pieces and of the openings of stationary velocity jumps at joints and at points of a level curve.
     pub fn displacements(&self, x: &[f64], out: &mut [f64]) {
         let left = self.end_displacement(0);
         let (mut stretch, mut k) = (0.0, 0);
@@ -56,8 +55,7 @@ impl FrontTracking {
         steps.iter().zip(until).map(|(step, until)| step.velocity * (until - step.time)).sum()
     }
 
-    /// By how much the place of a node has opened since its states hold, m; a joint that can open keeps an account of its
-    /// own.
+    /// Opening at the position of a node since its states hold, m; 0 for a joint that can open, whose opening is recorded separately.
     fn opening(&self, node: &Node) -> f64 {
         match node.kind {
             Kind::Joint if self.contact_at(node).is_some() => 0.0,
@@ -68,7 +66,7 @@ impl FrontTracking {
         }
     }
 
-    /// By how much a joint that can open has opened since the start, m; 0 for all other nodes.
+    /// Opening of a joint that can open since the start, m; 0 for all other nodes.
     fn jump_at(&self, node: &Node) -> f64 {
         if node.kind == Kind::Joint {
             self.contact_at(node).map_or(0.0, |contact| contact.jump_at(self.now))
@@ -77,7 +75,7 @@ impl FrontTracking {
         }
     }
 
-    /// Keeps what the place of a node has opened, before its states change or it goes.
+    /// Records the opening at the position of a node, before its states change or it is removed.
     pub(super) fn keep_opening(&mut self, node: &Node) {
         let opening = self.opening(node);
         if opening != 0.0 {
@@ -89,7 +87,7 @@ impl FrontTracking {
         self.list.get(self.end_nodes[1]).x
     }
 
-    /// Places at rest inside the bar whose two sides move apart or into each other: points of a level curve where strain
+    /// Iterates over the stationary positions inside the bar whose two sides move apart or towards each other: points of a level curve where strain
     /// gathers.
     pub fn openings(&self) -> impl Iterator<Item = Opening> + '_ {
         self.list.iter().filter(|n| matches!(n.kind, Kind::Contact | Kind::Joint)).filter_map(|node| {
@@ -104,16 +102,16 @@ impl FrontTracking {
         })
     }
 
-    /// Fronts under way.
+    /// Number of active fronts.
     pub fn front_count(&self) -> usize {
         self.fronts
     }
 
-    /// Follows the fronts up to and including `until` (s), as [`FrontTracking::advance_to`] does, but for no more than so many events
-    /// now. True where it got there.
+    /// Advances the fronts up to and including `until` (s), as [`FrontTracking::advance_to`] does, but by at most `events` events. Returns whether
+    /// `until` was reached.
     ///
     /// # Errors
-    /// Those of [`FrontTracking::advance_to`]; its event budget is that of all calls together.
+    /// As for [`FrontTracking::advance_to`]; the event budget applies to all calls together.
     pub fn advance_for(&mut self, until: f64, events: u64) -> Result<bool, Stopped> {
         let budget = self.budget;
         self.budget = budget.min(self.events.saturating_add(events));

@@ -4,10 +4,10 @@ use crate::bar::ends::Face;
 use crate::bar::{EndCondition, History};
 use crate::wave::riemann::{Medium, Point, Side, Workspace, solve};
 
-/// Largest stress (Pa) and the range of velocities (m/s, in +x) that an end imposes.
+/// Largest stress (Pa) and range of velocities (m/s, in +x) that an end imposes.
 pub(super) type Load = (f64, [f64; 2]);
 
-/// See [`super::FrontTracking::stress_scale`]: of a bar in these states, by segment, under these loads.
+/// Returns the stress scale, see [`super::FrontTracking::stress_scale`], of a bar in these states, given by segment, under these loads.
 pub(super) fn stress_scale(points: &[(usize, Point)], media: &[Medium], loads: [Option<Load>; 2]) -> f64 {
     let loads = || loads.into_iter().flatten();
     let velocities = || points.iter().map(|(_, point)| point.velocity).chain(loads().flat_map(|load| load.1));
@@ -20,14 +20,14 @@ pub(super) fn stress_scale(points: &[(usize, Point)], media: &[Medium], loads: [
     largest.fold(loads().map(|load| load.0).fold(0.0, f64::max), f64::max)
 }
 
-/// Stress (Pa, >= 0) that this velocity (m/s) at its end brings about in a material at rest.
+/// Magnitude of the stress (Pa) that an end velocity of `velocity` (m/s) causes in a material at rest.
 fn struck(medium: &Medium, at_rest: &Point, velocity: f64, work: &mut Workspace) -> f64 {
     let driver = Side::Straight { force: 0.0, velocity: -velocity, compliance: 0.0 };
     (solve(driver, Side::Bar(medium, at_rest), work).force / medium.area).abs()
 }
 
-/// For each segment the largest stress of all over its own, >= 1, where all are struck as fast as the free end moves after an elastic wave of
-/// `stress_scale` (Pa) in the segment of the largest impedance.
+/// Returns for each segment the largest stress of all segments over its own, >= 1, if all are struck at the velocity of a free end behind an elastic
+/// wave of `stress_scale` (Pa) in the segment of the largest impedance.
 pub(super) fn softness(media: &[Medium], stress_scale: f64) -> Vec<f64> {
     let velocity = 2.0 * stress_scale / media.iter().map(Medium::impedance).fold(0.0, f64::max);
     let mut work = Workspace::default();
@@ -37,10 +37,10 @@ pub(super) fn softness(media: &[Medium], stress_scale: f64) -> Vec<f64> {
     stresses.iter().map(|&stress| if stress > 0.0 { largest / stress } else { 1.0 }).collect()
 }
 
-/// What an end imposes.
+/// Returns the load that an end imposes.
 pub(super) fn load(condition: &EndCondition, face: &Face) -> Load {
     let rest = face.inward * face.velocity;
-    // What moves away from the end imposes nothing on it.
+    // A body that moves away from the end imposes nothing.
     let closing = |velocity: f64| (face.inward * velocity - face.velocity).max(0.0);
     let struck = |velocity: f64| [rest + face.inward * closing(velocity); 2];
     let range = |h: &History| h.value().iter().fold([0.0, 0.0], |[low, high]: [f64; 2], &v| [low.min(v), high.max(v)]);

@@ -5,7 +5,7 @@ use super::list::{NONE, Node};
 use super::place::{Content, Place};
 
 impl FrontTracking {
-    /// Length of the piece to the right of a node now, m; below zero where rounding let its borders pass each other.
+    /// Present length of the piece to the right of a node, m; negative if its borders have passed each other by rounding.
     pub(super) fn length_after(&self, node: &Node) -> f64 {
         self.list.get(node.next).place(self.now).from(node.place(self.now))
     }
@@ -17,7 +17,7 @@ impl FrontTracking {
         sum.momentum += volume * medium.density * node.right.velocity;
     }
 
-    /// What is between two nodes now.
+    /// Returns the present energy and momentum between two nodes.
     pub(super) fn content(&self, first: u32, last: u32) -> Content {
         let (mut sum, mut id) = (Content::default(), first);
         while id != last {
@@ -28,13 +28,13 @@ impl FrontTracking {
         sum
     }
 
-    /// The neighbours of the nodes `first..=last`; an end is its own.
+    /// Returns the neighbours of the nodes `first..=last`; an end is its own neighbour.
     fn around(&self, first: u32, last: u32) -> (u32, u32) {
         let (prev, next) = (self.list.get(first).prev, self.list.get(last).next);
         (if prev == NONE { first } else { prev }, if next == NONE { last } else { next })
     }
 
-    /// Books what it changes that the nodes `first..=last` are all brought to x.
+    /// Accounts for the change of energy and momentum when the nodes `first..=last` are all moved to x.
     pub(super) fn book_shift(&mut self, first: u32, last: u32, x: f64) {
         let (from, to) = self.around(first, last);
         let before = self.content(from, to);
@@ -48,8 +48,8 @@ impl FrontTracking {
         self.booked.shifted.add(before, after);
     }
 
-    /// What part of the energy that is in the bar was moved because places are rounded and near ones count as one: a measure
-    /// of the errors of waves too short to be resolved.
+    /// Energy moved by rounding of positions and by merging of near positions, as a fraction of the energy in the bar: a measure of the errors of
+    /// waves too short to be resolved.
     pub fn unresolved(&self) -> f64 {
         let total = self.content(self.end_nodes[0], self.end_nodes[1]).energy;
         if total > 0.0 { self.booked.shifted.turnover / total } else { 0.0 }

@@ -1,6 +1,6 @@
-//! The state of a front-tracking bar, for a checkpoint. Media, limits of the data and tolerances follow from the scene.
+//! State of a front-tracking bar, for a checkpoint. Media, limits of the data and tolerances follow from the scene.
 //!
-//! A binary heap that is read back from its own order keeps that order.
+//! A binary heap that is restored from its own order keeps that order.
 
 use super::FrontTracking;
 use super::end::End;

@@ -1,78 +1,79 @@
 //! Step lengths of a body (a striker, a ball, a spring) at an end.
 //!
-//! While nothing arrives, a body on an elastically answering bar relaxes like exp(-t/T) ([`Relaxation`]). The mean of a step
-//! of x T that follows a bilinear bar is off by about x^3/12 of the force that still has to relax, F. For a given number of steps
-//! the sum of these errors is smallest where x goes with F^(-1/3).
+//! Between arrivals of waves, a body on an elastic bar relaxes like exp(-t/T) ([`Relaxation`]). The mean over a step of length x T that follows a
+//! bilinear bar has an error of about x^3/12 times the force that is still to relax, F. For a given number of steps the sum of these errors is
+//! smallest if x is proportional to F^(-1/3).
 
 use serde::{Deserialize, Serialize};
 
 use super::ramp::SHORTEST;
 use crate::bar::ends::Relaxation;
 
-/// First step after a jump, in units of T: the force right after the jump is off by half of this.
+/// First step after a jump, in units of T: the error of the force right after the jump is half of this.
 const FIRST: f64 = 1e-7;
 
-/// A first step is no shorter than this part of the shortest step: below, times are rounding.
+/// Least length of a first step relative to the shortest step: below it, times are dominated by rounding.
 const SHORTEST_FIRST: f64 = 1e-3;
 
-/// Most that a step may be where the force is of the level: farther, it would be no picture of an exponential.
+/// Largest relative step at a force equal to the level: a longer one would not represent an exponential.
 const COARSEST: f64 = 0.25;
 
-/// A wave that changes the force by more than this many steps' worth is a jump.
+/// Number of step heights of force change above which a wave is a jump.
 const JUMP: f64 = 8.0;
 
-/// A wave that changes the force by less than this part of a step's worth does not break a step.
+/// Fraction of a step height of force change below which a wave does not end a step.
 const PASSING: f64 = 0.1;
 
-/// What the lengths of steps depend on.
+/// Parameters of the step lengths.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct StepControl {
-    /// Length of a step at force `level` (N), in units of T.
+    /// Length of a step, in units of T, at a force of `level` (N).
     part: f64,
     level: f64,
-    /// s.
+    /// Limits of the step length, s.
     shortest: f64,
     longest: f64,
-    /// Most that the next step may take, s; none right after a jump.
+    /// Upper limit of the next step, s; `None` right after a jump.
     grown: Option<f64>,
 }
 
 impl StepControl {
-    /// Steps of `part` (> 0) of `level` (N). No step is followed that is over in a millionth of `transit`, the bar's elastic transit
-    /// time (s), and none is longer than that time.
+    /// Creates the control for steps of the fraction `part` (> 0) of `level` (N). `transit` is the elastic transit time of the bar (s): steps are no
+    /// shorter than a millionth of it and no longer than it.
     pub fn new(part: f64, level: f64, transit: f64) -> Self {
         let (shortest, longest) = (SHORTEST * transit, transit);
         Self { part: part.min(COARSEST), level, shortest, longest, grown: None }
     }
 
-    /// The next step starts after a jump.
+    /// Makes the next step a first step after a jump.
     pub fn restart(&mut self) {
         self.grown = None;
     }
 
-    /// Whether a change of the force by `change` is a jump, at a force of `force` (N).
+    /// Returns whether a change of the force by `change` is a jump, at a force of `force` (N).
     pub fn is_jump(&self, change: f64, force: f64) -> bool {
         change > JUMP * self.part * self.level.max(force.abs())
     }
 
-    /// Waves weaker than this (N) do not break a step: the end goes along with them, and the next step deals with them.
+    /// Returns the strength (N) below which waves do not end a step: the end follows them, and the next step takes them into account.
     pub fn passing(&self) -> f64 {
         PASSING * self.part * self.level
     }
 
-    /// Largest change of the force over one step of a body whose contact is not linear, N.
+    /// Largest change of the force over one step of a body with a nonlinear contact, N.
     pub fn largest_change(&self) -> f64 {
         self.part * self.level
     }
 
-    /// No change is followed that is over sooner, s.
+    /// Shortest step, s. Changes that take less time are not resolved.
     pub fn shortest(&self) -> f64 {
         self.shortest
     }
 
     /// Length of a step that resolves a relaxation, s.
     pub fn resolving(&self, relaxation: &Relaxation) -> f64 {
-        // Where x would be 1 any longer step is off by no more than what is left to relax, for the time T: as much as all others.
+        // Where x would be 1, the error of any longer step is at most the force that is still to relax, over the time T: as much as that of all other
+        // steps.
         if relaxation.force <= self.part.powi(3) * self.level {
             return self.longest;
         }
@@ -80,7 +81,7 @@ impl StepControl {
         (part * relaxation.time).clamp(self.shortest, self.longest)
     }
 
-    /// Length of the next step, s. Steps after a jump double.
+    /// Returns the length of the next step, s. Steps after a jump double.
     pub fn next(&mut self, relaxation: &Relaxation) -> f64 {
         let first = || (FIRST * relaxation.time).max(SHORTEST_FIRST * self.shortest);
         let length = self.resolving(relaxation).min(self.grown.unwrap_or_else(first));

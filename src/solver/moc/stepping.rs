@@ -1,67 +1,67 @@
 //! The current step of an end: its model, its relation, and its energy balance.
 //!
-//! Waves that arrive within a step are answered by the same relation a u + b p = c: the means of u and p over the step then meet it
-//! too, which is what the models of [`crate::bar::ends`] ask for.
+//! Waves that arrive within a step are answered by the same relation a u + b p = c, so that the means of u and p over the step also satisfy it. The
+//! models of [`crate::bar::ends`] require that.
 
 use serde::{Deserialize, Serialize};
 
 use crate::bar::ends::{self, EndModel, Push, Relation, Step};
 
-/// What went through an end.
+/// Work and impulse through an end.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Account {
-    /// Work done on the bar, J: what a body lost, else that of the force at the face.
+    /// Work done on the bar, J: the energy lost by a body, otherwise the work of the force at the face.
     pub work: f64,
-    /// That of the force at the face, J: less than what a body lost, by what its steps do not resolve.
+    /// Work of the force at the face, J. A body loses more than this, by what its steps do not resolve.
     pub on_face: f64,
-    /// What of that the strain takes which gathers at the face, J.
+    /// Part of that work that is absorbed by strain gathering at the face, J.
     pub gathered: f64,
     /// Impulse given to the bar, N s, into the bar.
     pub impulse: f64,
-    /// Sum of the sizes of the impulses of all steps, N s.
+    /// Sum of the magnitudes of the impulses of all steps, N s.
     pub throughput: f64,
 }
 
 /// Force and velocities of an end between two events.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Held {
-    /// N, compression positive.
+    /// Force, N, compression positive.
     pub force: f64,
-    /// Of the face, m/s, into the bar.
+    /// Velocity of the face, m/s, into the bar.
     pub velocity: f64,
-    /// Of the bar's edge: another one only where the bar's curve is level, and strain gathers at the face.
+    /// Velocity of the bar's end, m/s, into the bar. It differs from that of the face only if the curve is level and strain gathers at the face.
     pub edge: f64,
 }
 
-/// An end in a step. Velocities and forces as in [`crate::bar::ends`].
+/// An end within a step. Velocities and forces have the signs of [`crate::bar::ends`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Stepping {
     #[serde(skip, default = "ends::stateless")]
     pub model: Box<dyn EndModel>,
     pub relation: Relation,
-    /// Of the step, s.
+    /// Start and end of the step, s.
     pub start: f64,
     pub until: f64,
-    /// Of the face at the start of the step, m.
+    /// Displacement of the face at the start of the step, m.
     pub displacement: f64,
-    /// Over the step so far: displacement (m), impulse (N s), work at the face, and what of that gathers there (J).
+    /// Sums over the step so far: displacement (m), impulse (N s), work at the face, and its part that strain gathering there absorbs (J).
     moved: f64,
     impulse: f64,
     on_face: f64,
     gathered: f64,
-    /// Since when, and what holds.
+    /// Time since which the values in `held` apply, s, and these values.
     since: f64,
     pub held: Held,
-    /// The relation is met: no body or wall is apart from the face.
+    /// Whether the relation is met: no body or wall is separated from the face.
     pub met: bool,
-    /// Up to the start of the step.
+    /// Sums up to the start of the step.
     account: Account,
-    /// Middle (s) and mean force (N) of the step before.
+    /// Middle (s) and mean force (N) of the previous step.
     pub latest: (f64, f64),
 }
 
 impl Stepping {
-    /// At an end that moves with `velocity` (m/s).
+    /// Creates the state of an end that moves at `velocity` (m/s).
     pub fn new(model: Box<dyn EndModel>, velocity: f64) -> Self {
         Self {
             model,
@@ -81,7 +81,7 @@ impl Stepping {
         }
     }
 
-    /// Brings the account to t (s).
+    /// Advances the sums to t (s).
     pub fn bring_to(&mut self, t: f64) {
         let (dt, Held { force, velocity, edge }) = (t - self.since, self.held);
         self.moved += velocity * dt;
@@ -91,7 +91,7 @@ impl Stepping {
         self.since = t;
     }
 
-    /// Ends the step where it has been brought: the model takes it. Ends planned up to `tolerance` (s) from then are meant.
+    /// Ends the step at the time reached and advances the model. A planned end within `tolerance` (s) of that time counts as reached exactly.
     pub fn commit(&mut self, tolerance: f64) {
         let elapsed = self.since - self.start;
         if elapsed > 0.0 {
@@ -114,7 +114,7 @@ impl Stepping {
         self.start = self.since;
     }
 
-    /// The same as if the step ended at t (s).
+    /// Returns the state as if the step ended at t (s).
     pub fn at(&self, t: f64) -> Self {
         let mut ahead = self.clone();
         ahead.bring_to(t);
@@ -122,22 +122,22 @@ impl Stepping {
         ahead
     }
 
-    /// Up to the start of the step.
+    /// Returns the sums up to the start of the step.
     pub fn account(&self) -> Account {
         self.account
     }
 
-    /// The step that starts, with `dt` (s).
+    /// Returns the current step with the length `dt` (s).
     pub fn step(&self, dt: f64) -> Step {
         Step { time: self.start, dt, displacement: self.displacement }
     }
 
-    /// Up to when it has been brought, s.
+    /// Time up to which the sums have been advanced, s.
     pub fn since(&self) -> f64 {
         self.since
     }
 
-    /// Displacement of the face where it has been brought, m.
+    /// Displacement of the face at that time, m.
     pub fn present_displacement(&self) -> f64 {
         self.displacement + self.moved
     }

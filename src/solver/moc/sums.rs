@@ -4,44 +4,44 @@ use super::FrontTracking;
 use super::list::{Kind, NONE};
 use super::tracking::Unshown;
 
-/// Account at a moment, J and N s (per m^2 where the bar has no area of its own).
+/// Balance at one time, J and N s (per m^2 if the bar has no area of its own).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Balance {
-    /// Sum of rho v^2/2 dV.
+    /// Kinetic energy, sum of rho v^2/2 dV.
     pub kinetic: f64,
-    /// Sum of sigma^2/(2E) dV.
+    /// Strain energy, sum of sigma^2/(2E) dV.
     pub elastic: f64,
-    /// Plastic work that did not turn into heat, and what is lost in shocks along the chords of a stiffening curve.
+    /// Plastic work that was not converted to heat, and dissipation in shocks along the chords of a stiffening curve.
     pub plastic: f64,
-    /// What of that turned into heat.
+    /// Plastic work that was converted to heat.
     pub heat: f64,
-    /// Work taken at single points where a level curve keeps the velocities apart.
+    /// Work dissipated at single points where a level curve keeps the velocities of the two sides different.
     pub concentrated: f64,
-    /// Energy that the scheme has taken: the spread of what the thinning of waves averages, less what fronts give that it has brought to flow
-    /// against their stress; what the steps of bodies at the ends do not resolve; and what rounding of places and the bringing of near fronts
-    /// to one point took.
+    /// Energy dissipated by the method: the spread of the values that merging of waves averages, less what fronts return after merging made them flow
+    /// against their stress; what the steps of bodies at the ends do not resolve; and the effect of rounding positions and of moving near fronts to
+    /// one point.
     pub thinned: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
-    /// Momentum that rounding of places and the bringing of near fronts to one point gave to the bar.
+    /// Momentum that rounding of positions and moving near fronts to one point added to the bar.
     pub shifted: f64,
-    /// Work done on the bar through its ends, left and right: what a body there lost, else that of the force on the face.
+    /// Work done on the bar through its left and right ends: the energy lost by a body there, otherwise the work of the force on the face.
     pub work: [f64; 2],
-    /// Impulse given to the bar through its ends, left and right.
+    /// Impulse given to the bar through its left and right ends.
     pub impulse: [f64; 2],
-    /// Sum of the sizes of all impulses of both ends.
+    /// Sum of the magnitudes of all impulses of both ends.
     pub throughput: f64,
 }
 
 impl Balance {
-    /// All energy in the bar, and all that it took.
+    /// Total energy of the bar including all dissipation.
     pub fn total(&self) -> f64 {
         self.kinetic + self.elastic + self.plastic + self.heat + self.concentrated + self.thinned
     }
 }
 
 impl FrontTracking {
-    /// Energies, momentum and what came in through the ends, now.
+    /// Returns energies, momentum, and work and impulse through the ends, at the present time.
     pub fn balance(&self) -> Balance {
         let Unshown { plastic, heat, against } = self.all_unshown();
         let mut sum = Balance {

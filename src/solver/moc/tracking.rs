@@ -1,4 +1,4 @@
-//! The fronts from one event to the next.
+//! Advances the fronts from one event to the next.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -24,7 +24,7 @@ use crate::law::rupture::Criteria;
 use crate::material::{Material, Sense};
 use crate::wave::riemann::{Emitted, Flow, Medium, Point, Workspace};
 
-/// Room for Riemann problems: the paths of both sides, and the waves that they send.
+/// Scratch for Riemann problems: the paths of both sides, and the waves that they emit.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
     pub work: Workspace,
@@ -32,22 +32,22 @@ pub(super) struct Scratch {
     pub sent_right: Vec<Emitted>,
 }
 
-/// Work of fronts that is not that of a state, J.
+/// Work of fronts that the states behind them do not contain, J.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Unshown {
-    /// Plastic work that did not turn into heat.
+    /// Plastic work that was not converted to heat.
     pub plastic: f64,
     pub heat: f64,
-    /// Of flow against the stress, to which merging has brought a front: <= 0, and the scheme's.
+    /// Negative work of flow against the stress, to which merging has brought a front; it is numerical.
     pub against: f64,
 }
 
-/// What nodes that are gone leave in the accounts.
+/// Sums over nodes that no longer exist.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Booked {
-    /// Work taken at single points, J.
+    /// Work dissipated at single points, J.
     pub concentrated: f64,
-    /// Work of fronts that the states behind them do not show, J.
+    /// Work of fronts that the states behind them do not contain, J.
     pub unshown: Unshown,
     pub shifted: Shifted,
     pub opened: Openings,
@@ -57,7 +57,7 @@ pub(super) struct Booked {
 #[derive(Debug, Clone)]
 pub struct FrontTracking {
     pub(super) media: Vec<Medium>,
-    /// What each segment is made of.
+    /// Material of each segment.
     pub(super) materials: Vec<Arc<Material>>,
     pub(super) limits: Limits,
     pub(super) ends: [End; 2],
@@ -71,28 +71,28 @@ pub struct FrontTracking {
     pub(super) budget: u64,
     pub(super) nearness: Nearness,
     pub(super) stress_scale: f64,
-    /// What the left and the right end impose; none once it has broken off.
+    /// Loads that the left and the right end impose; `None` once the end has broken off.
     pub(super) loads: [Option<Load>; 2],
     pub(super) fronts: usize,
     pub(super) booked: Booked,
     pub(super) merging: FrontMerging,
-    /// A ramp was made into steps, or a body moves in steps.
+    /// Whether a ramp was replaced by steps, or a body moves in steps.
     pub(super) in_steps: bool,
-    /// Front segments of fronts that ended; none where they are not asked for.
+    /// Front segments of fronts that ended; `None` if they are not recorded.
     pub(super) front_segments: Option<Vec<FrontSegment>>,
     pub(super) scratch: Scratch,
-    /// Where and when the bar breaks; none where it never does.
+    /// Fracture criteria and fractures; `None` if the bar never fractures.
     pub(super) rupture: Option<Box<Breaking>>,
 }
 
 impl FrontTracking {
-    /// A bar at t = 0 with its ends; every segment flows as `flow` says.
+    /// Creates a bar at t = 0 with its ends; every segment flows according to `flow`.
     pub fn new(bar: &Bar, flow: Flow, ends: [EndCondition; 2], settings: Settings) -> Self {
         Self::that_breaks(bar, flow, (ends, bar.end_velocities()), settings, None)
     }
 
-    /// The same of a bar that breaks where it meets one of `criteria`, and whose very ends move with these velocities (m/s) at t = 0: the steps of a
-    /// staircase next to them have means.
+    /// Same for a bar that fractures where it meets one of `criteria`. `end_velocities` (m/s) are those of the two end faces at t = 0; the steps of a
+    /// staircase next to them have mean velocities.
     pub fn that_breaks(
         bar: &Bar,
         flow: Flow,
@@ -151,7 +151,7 @@ impl FrontTracking {
         tracking
     }
 
-    /// Ends and joints in their places, and what they send at t = 0.
+    /// Places the ends and joints, and emits their waves at t = 0.
     fn lay_out(&mut self, bar: &Bar, starts: &[Vec<Start>]) {
         let (mut x, mut after) = (0.0, NONE);
         for (k, (segment, starts)) in bar.segments.iter().zip(starts).enumerate() {
@@ -162,7 +162,7 @@ impl FrontTracking {
         let last = bar.segments.len() - 1;
         let end = Node::new(Kind::End, x, 0.0, 0.0, Point::default(), last as u32);
         self.end_nodes = [0, self.list.insert(after, end)];
-        // Places were given out in order, so they number the ends and joints from left to right.
+        // Indices are given out in order, so that they number the ends and joints from left to right.
         let mut all: Vec<u32> = (0..=self.end_nodes[1]).collect();
         for (k, starts) in starts.iter().enumerate() {
             let (from, mut after) = (self.list.get(k as u32).x, k as u32);
@@ -176,19 +176,19 @@ impl FrontTracking {
         }
     }
 
-    /// Follows the fronts up to and including `until` (s); not at all where that is NaN.
+    /// Advances the fronts up to and including `until` (s). Does nothing if `until` is NaN.
     ///
     /// # Errors
-    /// [`Stopped::EventBudget`] with the bar standing at the time reached; [`Stopped::NotANumber`]; [`Stopped::AtLimit`].
+    /// [`Stopped::EventBudget`], with the bar valid at the time reached; [`Stopped::NotANumber`]; [`Stopped::AtLimit`].
     pub fn advance_to(&mut self, until: f64) -> Result<(), Stopped> {
-        // No event comes after a time that is no number.
+        // No comparison with NaN is true.
         let until = if until.is_nan() { self.now } else { until };
         loop {
             self.limits.check(until)?;
             let interaction = self.next_interaction();
             let (own, id) = self.next_own();
             let time = interaction.map_or(f64::INFINITY, |m| m.time).min(own);
-            // Not between events of one time, whose order is a matter of rounding.
+            // Not between events of equal time, whose order depends on rounding.
             if time > self.now + self.nearness.time && self.merging.is_due(self.list.len(), self.events) {
                 self.merge_fronts();
                 continue;
@@ -209,7 +209,7 @@ impl FrontTracking {
         }
     }
 
-    /// When an end or a joint next does something of its own accord, s, and its node.
+    /// Returns the time (s) and the node of the next event of an end or joint that no front causes.
     fn next_own(&self) -> (f64, u32) {
         let [left, right] = self.ends.each_ref().map(End::next_time);
         let mut first = if right < left { (right, self.end_nodes[1]) } else { (left, self.end_nodes[0]) };
@@ -221,7 +221,7 @@ impl FrontTracking {
         first
     }
 
-    /// The next interaction that still holds, left in the queue.
+    /// Returns the next interaction that is still valid, without removing it from the queue.
     fn next_interaction(&mut self) -> Option<Interaction> {
         while let Some(&Reverse(m)) = self.queue.peek() {
             let (left, right) = (self.list.get(m.left), self.list.get(m.right));
@@ -236,12 +236,12 @@ impl FrontTracking {
     fn interact(&mut self, m: Interaction) -> Result<(), Stopped> {
         self.queue.pop();
         let (left, right) = (self.list.get(m.left), self.list.get(m.right));
-        // What stands still tells the place exactly; else the slower one.
+        // A stationary node gives the position exactly; otherwise the slower one is more accurate.
         let x = if right.speed.abs() < left.speed.abs() { right.at(self.now) } else { left.at(self.now) };
         self.gather(m.left, m.right, x)
     }
 
-    /// Takes in all neighbours that are at x too, and resolves what meets there.
+    /// Collects all neighbours that are also at x, and resolves the interaction of all of them.
     fn gather(&mut self, mut first: u32, mut last: u32, x: f64) -> Result<(), Stopped> {
         let slower = |a: f64, b: f64| if a.abs() < b.abs() { a } else { b };
         let mut slowest = slower(self.list.get(first).speed, self.list.get(last).speed);
@@ -261,8 +261,8 @@ impl FrontTracking {
         Ok(())
     }
 
-    /// Whether a node is at x, or next to it and not on its way from there; `towards` is +1 for one on the left. An end or a joint stays where
-    /// it is: next to it, what leaves it and is slower than the waves that meet it would be brought back again and again.
+    /// Returns whether a node is at x, or next to it and not moving away; `towards` is +1 for a node on the left. Ends and joints count only at x:
+    /// otherwise, waves that leave them slower than the waves that meet them would be brought back again and again.
     fn is_there(&self, id: u32, x: f64, towards: f64, slowest: f64) -> bool {
         if id == NONE {
             return false;
@@ -273,8 +273,9 @@ impl FrontTracking {
         distance <= self.nearness.place || (distance <= self.nearness.near && towards * node.speed >= 0.0 && !is_left)
     }
 
-    /// Where the nodes `first..=last` meet, m, if it is at x to within the nearness: at an end or a joint; at what stands still; where they
-    /// are apart from each other, at the mean of their places by their steps in history, so that no flow is lost.
+    /// Returns the position where the nodes `first..=last` meet, m, if it is at x to within the nearness: that of an end or joint; that of a
+    /// stationary node; if the nodes are apart from each other, the mean of their positions weighted by their steps in history, so that no plastic
+    /// flow is lost.
     fn common_place(&self, first: u32, last: u32, x: f64) -> f64 {
         let (mut place, mut moment, mut sum, mut id) = (x, 0.0, 0.0, first);
         loop {
@@ -298,7 +299,7 @@ impl FrontTracking {
         if sum > 0.0 && apart > self.nearness.place { x + moment / sum } else { place }
     }
 
-    /// Enters the interaction of a node with the next one, if there ever is one.
+    /// Schedules the interaction of a node with the next one, if they will ever meet.
     pub(super) fn schedule(&mut self, left: u32) {
         let a = self.list.get(left);
         if a.next == NONE {
@@ -326,20 +327,20 @@ fn medium(segment: &Segment, flow: Flow) -> Medium {
     Medium::new([&tension, &compression], material.modulus, material.density, segment.area, flow, 0.0)
 }
 
-/// Every state at t = 0 with the number of its segment.
+/// Returns every state at t = 0 with the index of its segment.
 fn all_points(starts: &[Vec<Start>]) -> Vec<(usize, Point)> {
     let of = |(k, starts): (usize, &Vec<Start>)| starts.iter().map(|start| (k, start.point)).collect::<Vec<_>>();
     starts.iter().enumerate().flat_map(of).collect()
 }
 
-/// A state at t = 0, from a place on (m from the left end of its segment).
+/// A state at t = 0 from the position `x` on (m from the left end of its segment).
 struct Start {
     x: f64,
     point: Point,
 }
 
-/// The states of a segment at t = 0 from left to right: one, or the mean between each two rows of its tables, which are those of
-/// staircases; neighbours of one state are one.
+/// Returns the states of a segment at t = 0 from left to right: one state, or the mean between every two rows of its tables, which are those of
+/// staircases. Equal neighbouring states are merged.
 fn starts(segment: &Segment, medium: &Medium) -> Vec<Start> {
     let mut borders = segment.profile.as_ref().map_or_else(|| vec![0.0], |profile| profile.knots());
     borders.retain(|&x| x < segment.length);

@@ -1,4 +1,4 @@
-//! A block of cells that is advanced as one, with ghost cells on either side.
+//! A block of cells that is advanced as a unit, with ghost cells on either side.
 
 use std::ops::Range;
 
@@ -11,30 +11,30 @@ use crate::solver::energies::ShockLoss;
 use crate::solver::fd::SegmentGrid;
 use crate::wave::riemann::{Flux, Workspace};
 
-/// Most cells of a block: its row and scratch stay in the first-level cache.
+/// Largest number of cells in a block: its row and scratch stay in the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
-/// Cells to either side of one that its slopes may depend on, inside a front.
+/// Number of cells on either side that the slopes of a cell inside a front may depend on.
 pub(super) const NEARBY: usize = 3;
 
-/// Copies of neighbours' cells on either side: the nearest has a state at its face, which depends on [`NEARBY`] more.
+/// Number of ghost cells on either side: the nearest has a state at its face, which depends on [`NEARBY`] more.
 pub(super) const GHOSTS: usize = 1 + NEARBY;
 
-/// Cells of the longest row.
+/// Number of cells in the longest row.
 pub(super) const ROW: usize = BLOCK + 2 * GHOSTS;
 
-/// What a block's cells have met so far; decides which kernel they need.
+/// Stage of a block, according to what its cells have met so far; decides which kernel they need.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Stage {
-    /// Nothing has arrived: every stress is 0 and all cells move alike. Nothing is computed.
+    /// Nothing has arrived: every stress is 0 and all cells have the same velocity. Nothing is computed.
     Quiet,
-    /// No cell has yielded: the elastic kernel, and no plastic state in memory.
+    /// No cell has yielded: the elastic kernel runs, and no plastic state is stored.
     Elastic,
-    /// The law's own kernel.
+    /// A cell may have yielded: the kernel of the law runs.
     Plastic,
 }
 
-/// Cells, with copies of the neighbours' at both ends of every row.
+/// Cells, with ghost copies of the neighbours' cells at both ends of every row.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Block {
     pub cells: Range<usize>,
@@ -42,26 +42,26 @@ pub(super) struct Block {
     pub stage: Stage,
     pub sigma: Vec<f64>,
     pub v: Vec<f64>,
-    /// Law state, empty until the block yields.
+    /// State variables of the law, empty until the block yields.
     pub state: Vec<f64>,
-    /// What the scheme's slopes gave to every cell and it has not taken back, W/m^2, <= 0; empty until the block yields, and along
-    /// curves without a level stretch.
+    /// Energy that slopes gave to every cell and that has not been dissipated since, W/m^2, <= 0; empty until the block yields, and along curves
+    /// without a level part.
     pub energy_defect: Vec<f64>,
-    /// What the law states tell, where cells have a past of their own.
+    /// Derived histories, if the law depends on the past of a cell.
     #[serde(skip)]
     pub histories: Vec<History>,
-    /// What goes through the first and the last face, where that is an end or a joint.
+    /// Flux through the first and the last face, if that is an end or joint.
     pub outer: [Option<Flux>; 2],
-    /// What goes through faces of the row inside a fan that the bar starts with, in the step ahead.
+    /// Faces of the row inside a fan at the start, and the fluxes through them, in the next step.
     #[serde(skip)]
     pub inside_fan: Vec<(usize, Flux)>,
-    /// Running sum over cells and steps of the plastic work as the law gives it, Pa^2.
+    /// Sum over cells and steps of the plastic work that the law returns, Pa^2.
     pub plastic: f64,
-    /// Running sum over cells and steps of the scheme's dissipation, W/m^2.
+    /// Sum over cells and steps of the dissipation by the scheme, W/m^2.
     pub lost: f64,
-    /// The same in cells inside shocks.
+    /// Same in cells inside shocks.
     pub shock_loss: ShockLoss,
-    /// For the Riemann problems that are not simple.
+    /// Workspace for Riemann problems that are not elastic.
     #[serde(skip)]
     pub work: Workspace,
 }
@@ -87,7 +87,7 @@ impl Block {
         }
     }
 
-    /// The state at t = 0 of the block's segment: means over the cells, of which `grid` tells the places.
+    /// Sets the state of the block at t = 0: means of the segment's state over the cells, whose positions are in `grid`.
     pub fn set_initial(&mut self, segment: &Segment, grid: &SegmentGrid, part: &Part) {
         for (i, cell) in self.cells.clone().enumerate().map(|(i, cell)| (GHOSTS + i, cell)) {
             let [from, to] = grid.cell(cell);
@@ -105,17 +105,17 @@ impl Block {
         }
     }
 
-    /// Place in the rows of the cell that is `depth` cells inside the block from its left (0) or right (1) end.
+    /// Row index of the cell that is `depth` cells inside the block from its left (0) or right (1) end.
     pub fn inside(&self, side: usize, depth: usize) -> usize {
         if side == 0 { GHOSTS + depth } else { self.sigma.len() - 1 - GHOSTS - depth }
     }
 
-    /// Place in the rows of the copy that is `depth` cells outside.
+    /// Row index of the ghost cell that is `depth` cells outside.
     pub fn outside(&self, side: usize, depth: usize) -> usize {
         if side == 0 { GHOSTS - 1 - depth } else { self.sigma.len() - GHOSTS + depth }
     }
 
-    /// One law state number of a cell; 0 where nothing has yielded.
+    /// Returns one state variable of a cell; 0 if nothing has yielded.
     pub fn state_at(&self, number: usize, i: usize) -> f64 {
         if self.state.is_empty() { 0.0 } else { self.state[number * self.sigma.len() + i] }
     }
@@ -130,7 +130,7 @@ impl Block {
         [i - 1, i, i + 1].into_iter().any(|i| self.owes(part, i))
     }
 
-    /// True where slopes gave a cell more energy than they may.
+    /// Returns whether slopes gave a cell more energy than allowed.
     fn owes(&self, part: &Part, i: usize) -> bool {
         self.energy_defect
             .get(i)
@@ -138,14 +138,14 @@ impl Block {
             .is_some_and(|(&energy_defect, most)| energy_defect < -most)
     }
 
-    /// Takes down what the scheme took from its own cells in a step.
+    /// Adds the energy that the scheme dissipated in the cells in a step to their defects.
     pub fn note_owed(&mut self, lost: &[f64]) {
         for (energy_defect, lost) in self.energy_defect.iter_mut().skip(GHOSTS).zip(lost) {
             *energy_defect = (*energy_defect + lost).min(0.0);
         }
     }
 
-    /// From now on the block has plastic state.
+    /// Makes the block plastic and allocates its state variables.
     pub fn make_plastic(&mut self, part: &Part) {
         if self.stage != Stage::Plastic {
             self.stage = Stage::Plastic;
@@ -154,7 +154,7 @@ impl Block {
         }
     }
 
-    /// Brings the histories of a yielded block's cells up to date, where these have a past of their own.
+    /// Updates the derived histories of a yielded block, if the law depends on the past of a cell.
     pub fn update_histories(&mut self, part: &Part) {
         self.histories.resize(self.sigma.len(), History::UNKNOWN);
         for (i, history) in self.histories.iter_mut().enumerate() {
@@ -164,14 +164,14 @@ impl Block {
         }
     }
 
-    /// The law state of a cell is another one.
+    /// Marks the derived history of a cell as unknown, because its state variables have changed.
     fn forget(&mut self, i: usize) {
         if let Some(history) = self.histories.get_mut(i) {
             *history = History::UNKNOWN;
         }
     }
 
-    /// Forgets the histories of cells that have done plastic work.
+    /// Marks the derived histories of cells that have done plastic work as unknown.
     pub fn note_flow(&mut self, work: &[f64]) {
         for (history, &work) in self.histories.iter_mut().zip(work) {
             if work != 0.0 {
@@ -180,13 +180,13 @@ impl Block {
         }
     }
 
-    /// Copies the nearest cells of a neighbour of the same segment, which lies on `side`.
+    /// Copies the nearest cells of a neighbour of the same segment, which lies on `side`, to the ghost cells there.
     pub fn copy_from(&mut self, side: usize, other: &Self, part: &Part) {
         let numbers = if other.stage == Stage::Plastic { part.law.law.state_len() } else { 0 };
         for depth in 0..GHOSTS {
             let (to, from) = (self.outside(side, depth), other.inside(1 - side, depth));
             (self.sigma[to], self.v[to]) = (other.sigma[from], other.v[from]);
-            // Both blocks must take the same slopes beside the face between them.
+            // Both blocks must use the same slopes beside the face between them.
             if other.owes(part, from) || (0..numbers).any(|number| other.state_at(number, from) != 0.0) {
                 self.make_plastic(part);
             }
@@ -203,7 +203,7 @@ impl Block {
         }
     }
 
-    /// What the bar seems to go on with beyond an end or a joint: stress, velocity, and E times strain (Pa).
+    /// Sets the ghost cells beyond an end or joint: stress, velocity, and E times strain (Pa).
     pub fn fill_ghost_cells(&mut self, side: usize, part: &Part, [stress, velocity, e_equivalent_strain]: [f64; 3]) {
         for to in std::array::from_fn::<usize, GHOSTS, _>(|depth| self.outside(side, depth)) {
             (self.sigma[to], self.v[to]) = (stress, velocity);
@@ -221,20 +221,20 @@ impl Block {
         }
     }
 
-    /// The cells of the row whose states at their faces are asked for: with one copy where the segment goes on.
+    /// Returns the cells of the row whose face states are needed: the own cells, and one ghost cell on each side where the segment continues.
     pub fn carried(&self) -> Range<usize> {
         let last = self.sigma.len() - GHOSTS;
         GHOSTS - usize::from(self.outer[0].is_none())..last + usize::from(self.outer[1].is_none())
     }
 
-    /// The cells of the row whose surroundings are all cells of the bar.
+    /// Returns the cells of the row whose [`NEARBY`] neighbours are all cells of the bar.
     pub fn surrounded(&self) -> Range<usize> {
         let cells = self.carried();
         let [left, right] = self.outer.map(|outer| if outer.is_some() { NEARBY } else { 0 });
         cells.start + left..(cells.end - right).max(cells.start + left)
     }
 
-    /// Nothing comes in from outside.
+    /// Returns whether nothing enters the block from outside.
     pub fn at_rest(&self) -> bool {
         if !self.inside_fan.is_empty() {
             return false;

@@ -1,4 +1,4 @@
-//! The ends: Riemann problems with boundary conditions, see [`crate::bar::ends`].
+//! Ends: Riemann problems with boundary conditions, see [`crate::bar::ends`].
 
 use serde::{Deserialize, Serialize};
 
@@ -16,12 +16,13 @@ pub(super) struct End {
     #[serde(skip, default = "ends::stateless")]
     model: Box<dyn EndModel>,
     face: Face,
-    /// The end's relation was met in the latest step.
+    /// Whether the relation of the end was met in the latest step, i.e. no contact opened.
     met: bool,
     latest: Push,
-    /// m, into the bar.
+    /// Displacement, m, into the bar.
     displacement: f64,
-    /// J, and that of the work done at the face: what a body loses in a step is more, by what its step does not resolve.
+    /// Work done on the bar, J, and work done at the face, J. A body loses more energy in a step than the face receives, because the step does not
+    /// resolve the exchange.
     pub work: f64,
     pub work_on_face: f64,
     pub impulse: f64,
@@ -45,12 +46,12 @@ impl End {
         }
     }
 
-    /// All that changes from step to step.
+    /// Returns everything that changes from step to step.
     pub fn state(&self) -> (&Self, [f64; 2]) {
         (self, self.model.state())
     }
 
-    /// Takes over what [`Self::state`] gave.
+    /// Restores the state that [`Self::state`] returned.
     pub fn restore(&mut self, (saved, state): (Self, [f64; 2])) {
         self.model = std::mem::replace(self, saved).model;
         self.model.restore(state);
@@ -60,8 +61,8 @@ impl End {
         Step { time, dt, displacement: self.displacement }
     }
 
-    /// How the bar seems to go on beyond its end at `time`: stress, velocity and E times strain of a cell there. Such that
-    /// the slopes of the last cell fit what the end does: mirrored, where that does not change.
+    /// Returns the ghost state beyond the end at `time`: stress, velocity, and E times strain. It is such that the slopes of the last cell suit the
+    /// end condition: a mirror image if that is constant.
     pub fn beyond(&self, time: f64, dt: f64, block: &Block, part: &Part, work: &mut Workspace) -> [f64; 3] {
         let (normal, area) = (-self.face.inward, self.face.area);
         let side = usize::from(normal > 0.0);
@@ -80,30 +81,30 @@ impl End {
             Boundary::Open => (stress, velocity),
         };
         let change = beyond - stress;
-        // Only a curve that is followed both ways asks for the strain.
+        // The strain is used only where the curve is followed both ways.
         let stretch = if part.path_independent { softness(change) * change } else { change };
         [beyond, moving, e_equivalent_strain + stretch]
     }
 
-    /// The state just after t = 0; `dt` is that of a step, s.
+    /// Returns the state just after t = 0; `dt` is the time step, s.
     pub fn start(&self, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> EndState {
         let Flux { stress, velocity } = self.respond(&self.step(0.0, dt).short(), part, near, work).0;
         EndState { stress, velocity }
     }
 
-    /// What goes through the end in the step from `time` on, with the account of it.
+    /// Returns the flux through the end in the step that begins at `time`, and accounts for it.
     pub fn step_flux(&mut self, time: f64, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let step = self.step(time, dt);
         let (flux, met) = self.respond(&step, part, near, work);
         self.account(&step, flux, met)
     }
 
-    /// The same with a flux that is known.
+    /// Same with a known flux.
     pub fn step_with(&mut self, time: f64, dt: f64, flux: Flux) -> Flux {
         self.account(&self.step(time, dt), flux, true)
     }
 
-    /// The same behind a fan.
+    /// Same behind a fan.
     pub fn step_behind(&mut self, time: f64, dt: f64, fan: &StartingFan) -> Flux {
         let (step, Face { inward, area, .. }) = (self.step(time, dt), self.face);
         let [stress, impedance] = fan.answer(time - fan.from + 0.5 * dt);
@@ -147,7 +148,7 @@ impl End {
         (flux, true)
     }
 
-    /// The Riemann problem against a relation.
+    /// Solves the Riemann problem between the bar and the relation of the end.
     fn flux(&self, relation: &Relation, bar: &Response, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let Relation { of_velocity, of_force, value, .. } = *relation;
         let face = &self.face;
@@ -167,7 +168,7 @@ impl End {
         Flux { stress: star.force / face.area, velocity }
     }
 
-    /// Mean over the latest step.
+    /// Mean state over the latest step.
     pub fn latest(&self) -> EndState {
         let Push { force, velocity, .. } = self.latest;
         EndState { stress: -force / self.face.area, velocity: self.face.inward * velocity }
@@ -178,7 +179,7 @@ impl End {
         self.face.inward * self.displacement
     }
 
-    /// Velocity of a body at the end, m/s, positive in +x; none where there is none.
+    /// Velocity of a body at the end, m/s, positive in +x; `None` if there is none.
     pub fn striker_velocity(&self) -> Option<f64> {
         self.model.body().map(|body| self.face.inward * body.velocity)
     }

@@ -1,4 +1,4 @@
-//! The outer faces of blocks, at ends and joints: the state of the bar there, and the flux.
+//! Outer faces of blocks, at ends and joints: the state of the bar there, and the flux.
 
 use super::block::{Block, Stage};
 use super::part::Part;
@@ -7,14 +7,14 @@ use crate::bar::ends::Response;
 use crate::law::flows;
 use crate::wave::riemann::{FaceState, Flux, Point, Workspace};
 
-/// How an elastic bar answers at its face; `inward` is +1 where it is to the right of the face and -1 to its left.
+/// Response of an elastic bar at its face. `inward` is +1 if the bar is to the right of the face and -1 if it is to the left.
 pub(super) fn response(part: &Part, near: &Point, inward: f64) -> Response {
     let Point { stress, velocity, .. } = *near;
     let impedance = part.area * part.faces.medium.impedance();
     Response { force: -part.area * stress - impedance * inward * velocity, impedance }
 }
 
-/// A face under a stress. What the curve cannot carry into the bar pulls at its face all the same.
+/// Returns the flux through a face under a stress. Stress beyond what the curve can carry still acts on the face.
 pub(super) fn under(stress: f64, inward: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
     let (point, impedance) = (&near.point, part.faces.medium.impedance());
     if part.faces.stays_elastic(near, stress) {
@@ -24,18 +24,18 @@ pub(super) fn under(stress: f64, inward: f64, part: &Part, near: &FaceState, wor
     let path = &mut work.left;
     path.fill_at_face(&part.faces.medium, &part.faces.placed(near), sense);
     let carried = (sense * stress).min(path.cap());
-    // The rest accelerates the face as if it were elastic.
+    // The excess accelerates the face as if it were elastic.
     let change = path.velocity(carried) + (sense * stress - carried) / impedance;
     Flux { stress, velocity: point.velocity - inward * sense * change }
 }
 
-/// Stresses that differ by less than this part of them are equal but for rounding.
+/// Relative difference up to which two stresses count as equal.
 const EQUAL: f64 = 1e-9;
 
-/// E times the strain per stress with which the first or the last cell of a block follows a stress that rises (`change` > 0) or falls: 1 while it
-/// stays elastic. Where it flows, it is the ratio of the differences to the next cell, which in coarse cells stands for the bend of the curve, but
-/// no more than the curve says: between cells that have flowed before by unlike amounts that ratio may be anything, and between equal
-/// stresses it is rounding.
+/// Returns E times the strain per stress of the first or last cell of a block for a stress that rises (`change` > 0) or falls: 1 if the cell stays
+/// elastic. If it flows, the value is the ratio of the differences to the next cell, which represents the bend of the curve in coarse cells, limited
+/// to the compliance of the curve: between cells that have flowed by different amounts the ratio may be anything, and between equal stresses it is
+/// rounding.
 pub(super) fn softness(block: &Block, part: &Part, side: usize, change: f64, work: &mut Workspace) -> f64 {
     if block.stage != Stage::Plastic || change == 0.0 {
         return 1.0;
@@ -53,19 +53,19 @@ pub(super) fn softness(block: &Block, part: &Part, side: usize, change: f64, wor
     if rise.abs() > EQUAL * stress.abs() { (stretch / rise).clamp(1.0, most) } else { most }
 }
 
-/// Half a step from a cell to its outer face.
+/// Extrapolation of a cell to its outer face, half a step ahead.
 struct ToFace {
-    /// The cell in the rows of its block.
+    /// Index of the cell in the rows of its block.
     i: usize,
-    /// -1/2 at a block's left end, 1/2 at its right one: what of a slope is added.
+    /// Fraction of the slope to add: -1/2 at the left end of a block, 1/2 at the right.
     outward: f64,
-    /// No slopes.
+    /// Whether the cell has no slopes.
     flat: bool,
-    /// E times the strain of half a step, Pa.
+    /// E times the strain increment of half a step, Pa.
     half_strain: f64,
     /// Slope of the stress, as a difference, Pa.
     rise: f64,
-    /// At the face, m/s.
+    /// Velocity at the face, m/s.
     velocity: f64,
 }
 
@@ -85,7 +85,7 @@ impl ToFace {
         FaceState { point: Point { stress, velocity: self.velocity, ..Point::default() }, ..FaceState::default() }
     }
 
-    /// Where the curve is followed both ways: from slopes of strain.
+    /// Returns the face state from slopes of strain, where the curve is followed both ways.
     fn along_curve(&self, block: &Block, part: &Part, state: &mut [f64]) -> FaceState {
         let z = |i: usize| block.e_equivalent_strain(part, i);
         let i = self.i;
@@ -96,7 +96,7 @@ impl ToFace {
         FaceState { point, ..FaceState::default() }
     }
 
-    /// Where cells have histories: from slopes of stress, half a step on by the law.
+    /// Returns the face state from slopes of stress, advanced by half a step with the law, where cells have histories.
     fn with_history(&self, block: &Block, part: &Part, state: &mut [f64], work: &mut Workspace) -> FaceState {
         let (law, i) = (part.law.law.as_ref(), self.i);
         for (number, value) in state.iter_mut().enumerate() {
@@ -121,7 +121,7 @@ impl ToFace {
     }
 }
 
-/// The first or the last cell of a block at its outer face, half a step on. `state` is room for its law state.
+/// Returns the state of the first or last cell of a block at its outer face, half a step ahead. `state` is scratch for its law state.
 pub(super) fn near(block: &Block, part: &Part, side: usize, state: &mut Vec<f64>, work: &mut Workspace) -> FaceState {
     let to_face = ToFace::new(block, part, side);
     if block.stage != Stage::Plastic {

@@ -1,4 +1,4 @@
-//! The cells without slopes.
+//! Cells without slopes.
 
 use std::ops::Range;
 
@@ -6,12 +6,12 @@ use super::block::{Block, GHOSTS, NEARBY, Stage};
 use super::history::{History, Stiffenings, passed};
 use super::part::Part;
 
-/// Part of the elastic limit by which the strain must have reversed.
+/// Fraction of the elastic limit by which the strain must have reversed.
 const REVERSED: f64 = 0.25;
 
 impl Block {
-    /// How far a cell has come along its curve in tension and in compression, Pa, as [`Part::stiffens`] counts. Hardening tells that, not the
-    /// stress: a cell that unloads, through zero stress or not, passes none.
+    /// Returns how far a cell has advanced along its curve in tension and compression, Pa, as [`Part::stiffens`] counts. The measure is hardening,
+    /// not stress: a cell that unloads, through zero stress or not, passes no knot.
     fn along(&self, part: &Part, i: usize) -> [f64; 2] {
         if part.path_independent {
             let z = self.e_equivalent_strain(part, i);
@@ -21,29 +21,29 @@ impl Block {
         [if yielded { part.law.law.accumulated(&self.state, i) } else { 0.0 }; 2]
     }
 
-    /// What is known of a cell's history.
+    /// Returns the derived history of a cell; `None` while it is unknown.
     fn history(&self, i: usize) -> Option<&History> {
         self.histories.get(i).filter(|history| !history.is_unknown())
     }
 
-    /// How many stiffening knots of its curve a cell has passed.
+    /// Number of stiffening knots of its curve that a cell has passed.
     fn stiffenings(&self, part: &Part, i: usize) -> Stiffenings {
         self.history(i).map_or_else(|| passed(part, self.along(part, i)), |history| history.passed)
     }
 
-    /// One of these cells has come to where its curve is level or falls.
+    /// Returns whether one of these cells has reached a level or falling part of its curve.
     fn come_to_level(&self, part: &Part, mut cells: Range<usize>) -> bool {
         cells.any(|i| self.history(i).map_or_else(|| part.is_level(self.along(part, i)), |history| history.is_level))
     }
 
-    /// Slopes gave energy to a cell or one beside it, near one that has come to where its curve is level or falls. (Elsewhere they give what they
-    /// take again: fronts without them would be spread as by a scheme of first order.)
+    /// Returns whether slopes gave energy to a cell or a neighbour, near a cell that has reached a level or falling part of its curve. Elsewhere the
+    /// scheme dissipates that energy again, and fronts without slopes would be spread as by a first-order scheme.
     fn is_level_and_owes(&self, part: &Part, i: usize) -> bool {
         self.owes_near(part, i) && self.come_to_level(part, self.around(i))
     }
 
-    /// Strains of these cells lie beyond the elastic limit in one sense and reach into the other: a shock that reverses the strain, where the
-    /// curve is followed both ways.
+    /// Returns whether strains of these cells lie beyond the elastic limit in one sense and extend into the other: a shock that reverses the strain,
+    /// where the curve is followed both ways.
     fn reverse(&self, part: &Part, cells: Range<usize>) -> bool {
         let [mut least, mut most] = [0.0_f64; 2];
         for i in cells {
@@ -54,14 +54,14 @@ impl Block {
         further > part.limit && other > REVERSED * part.limit
     }
 
-    /// Cells of the bar within [`NEARBY`] of one.
+    /// Returns the cells of the bar within [`NEARBY`] of cell `i`.
     fn around(&self, i: usize) -> Range<usize> {
         let [left, right] = self.outer.map(|outer| if outer.is_some() { GHOSTS } else { 0 });
         left.max(i.saturating_sub(NEARBY))..(self.sigma.len() - right).min(i + NEARBY + 1)
     }
 
-    /// True where a cell has no slopes: where a stiffening knot of the curve lies between it and one of the two next on either side, in a
-    /// shock or next to it; near a shock that reverses the strain; where the scheme has given energy, or next to there.
+    /// Returns whether a cell has no slopes. This is so if a stiffening knot of the curve lies between any of the cells within two of it, in a shock
+    /// or next to one; near a shock that reverses the strain; and where slopes have given energy, or next to there.
     pub fn is_first_order(&self, part: &Part, i: usize) -> bool {
         let passed = |i| self.stiffenings(part, i);
         let in_shock = || (i - 2..i + 2).any(|i| passed(i) != passed(i + 1));
@@ -70,8 +70,8 @@ impl Block {
             || (part.path_independent && self.reverse(part, self.around(i)))
     }
 
-    /// [`Self::is_first_order`] for all cells but the two next to each end, into `flat`, and which of these are in a shock or next to it;
-    /// `changes` is room for as many.
+    /// Evaluates [`Self::is_first_order`] for all cells except two at each end, into `flat`, and whether they are in a shock or next to one, into
+    /// `in_shock`. `changes` is scratch of the same length.
     pub fn find_first_order(&self, part: &Part, changes: &mut [bool], in_shock: &mut [bool], flat: &mut [bool]) {
         let row = self.sigma.len();
         if part.stiffens.is_some() {

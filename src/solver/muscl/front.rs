@@ -1,8 +1,8 @@
 //! Steeper slopes for fronts along straight segments of the curve.
 //!
-//! Along a line all waves have one speed: a front is carried along as it is, and whatever smears it stays. Van Leer's slopes
-//! smear it ever further, over `dx^(2/3)`; steeper ones keep it within a few cells. So cells inside such fronts get those.
-//! Elsewhere they would do harm: they make steps of smooth waves, and keep ripples alive.
+//! Along a line all waves have the same speed: a front is advected unchanged, and its smearing accumulates. Van Leer's slopes smear it further and
+//! further, over `dx^(2/3)`; steeper slopes keep it within a few cells. Cells inside such fronts therefore get steeper slopes. Elsewhere these would
+//! do harm: they turn smooth waves into steps and sustain ripples.
 
 use multiversion::multiversion;
 
@@ -12,35 +12,35 @@ use super::slope::{limited, steep};
 use crate::elementary::{larger, lesser};
 use crate::wave::riemann::Straight;
 
-/// In a front the largest difference between neighbours near a cell is this many times the least. Where a wave is
-/// resolved, they are more alike than that.
+/// Least ratio of the largest to the smallest difference between neighbours near a cell inside a front. In a resolved wave the differences are more
+/// alike.
 const UNEVEN: f64 = 4.0;
 
-/// Part of a difference that may be off the line.
+/// Fraction of a difference by which stresses may be off the line.
 const OFF_LINE: f64 = 1e-3;
 
-/// Part of a front that may be waves in the other direction: ripples of either direction stay ripples.
+/// Largest ratio of waves in the other direction to the front: ripples of either direction must stay ripples.
 const OTHER_WAY: f64 = 0.1;
 
-/// Part of the elastic limit below which a difference is no front.
+/// Fraction of the elastic limit below which a difference does not count as a front.
 const FAINT: f64 = 1e-6;
 
-/// Part of a stress by which rounding may take it off its line.
+/// Relative rounding of a stress that may take it off its line.
 const ROUNDING: f64 = 1e-9;
 
 /// Slopes of a cell inside a front, as differences.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slopes {
-    /// Pa.
+    /// Slope of the stress, Pa.
     pub stress: f64,
-    /// m/s.
+    /// Slope of the velocity, m/s.
     pub velocity: f64,
-    /// E times strain, Pa.
+    /// Slope of E times the strain, Pa.
     pub e_equivalent_strain: f64,
 }
 
-/// Cells of a row that may lie inside a front: where stress rises or falls through them, beyond the elastic limit and not evenly, `found` is 1. The
-/// [`NEARBY`] cells at each end of the row are none. `sizes` is room for as many.
+/// Marks with 1 in `found` the cells of a row that may lie inside a front: stress rises or falls through them, lies beyond the elastic limit, and
+/// varies unevenly. The [`NEARBY`] cells at each end of the row are never marked. `sizes` is scratch of the same length.
 pub(super) fn find(sigma: &[f64], limit: f64, sizes: &mut [f64], found: &mut [f64]) {
     let row = sigma.len();
     found[..NEARBY].fill(0.0);
@@ -57,7 +57,7 @@ fn find_inside(sigma: &[f64], limit: f64, sizes: &mut [f64], found: &mut [f64]) 
         sizes[i] = (right[i] - left[i]).abs();
     }
     let [before, here, after] = [NEARBY - 1, NEARBY, NEARBY + 1].map(|from| &sigma[from..][..cells]);
-    // Sizes of the differences near a cell; the middle two are those to its neighbours.
+    // Magnitudes of the differences near a cell; the middle two are those to its neighbours.
     let near: [&[f64]; 2 * NEARBY] = std::array::from_fn(|k| &sizes[k..][..cells]);
     for i in 0..cells {
         let (mut least, mut largest) = (near[0][i], near[0][i]);
@@ -71,15 +71,15 @@ fn find_inside(sigma: &[f64], limit: f64, sizes: &mut [f64], found: &mut [f64]) 
     }
 }
 
-/// The slopes of a cell inside a front of one direction along one line of the curve, other than the elastic one; none
-/// elsewhere. It is one of those that [`find`] has found.
+/// Returns the slopes of a cell inside a front of one direction along one line of the curve other than the elastic one; `None` elsewhere. The cell
+/// must be one that [`find`] has marked.
 pub(super) fn slopes(block: &Block, part: &Part, i: usize) -> Option<Slopes> {
     let sigma = &block.sigma;
     let greater = (sigma[i] - sigma[i - 1]).abs().max((sigma[i + 1] - sigma[i]).abs());
     along(&line(block, part, i, greater)?, block, i)
 }
 
-/// The line on which a cell and its neighbours lie.
+/// Returns the line on which a cell and its neighbours lie, if they lie on one.
 fn line(block: &Block, part: &Part, i: usize, greater: f64) -> Option<Straight> {
     let sigma = &block.sigma;
     let sense = if sigma[i] < 0.0 { -1.0 } else { 1.0 };
@@ -97,7 +97,7 @@ fn line(block: &Block, part: &Part, i: usize, greater: f64) -> Option<Straight> 
     [i - 1, i, i + 1].into_iter().all(lies_on).then_some(line)
 }
 
-/// The slopes, if waves of one direction prevail: theirs the steep ones, the others' as everywhere.
+/// Returns the slopes if waves of one direction prevail: steep ones for these waves, limited ones for the others.
 fn along(line: &Straight, block: &Block, i: usize) -> Option<Slopes> {
     let (sigma, v) = (&block.sigma, &block.v);
     // Velocity changes by waves in +x and in -x.

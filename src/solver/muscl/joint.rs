@@ -12,11 +12,12 @@ use crate::wave::riemann::{FaceState, Flux, Point, Side, Star, Workspace, solve}
 /// A joint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Joint {
-    /// The block to its left.
+    /// Index of the block to its left.
     pub edge: usize,
-    /// None where it is bonded.
+    /// State of the contact; `None` if the joint is bonded.
     contact: Option<Contact>,
-    /// Force on the faces in the step before, N: what lasts for one step only is that of waves that the cells beside the joint have mixed, and no peak.
+    /// Force on the faces in the previous step, N. A force that lasts for one step only comes from waves that the cells beside the joint have mixed,
+    /// and does not count as a peak.
     before: f64,
 }
 
@@ -25,29 +26,28 @@ impl Joint {
         Self { edge, contact: Contact::new(joint), before: 0.0 }
     }
 
-    /// The faces are suddenly loaded like this at t = 0; see [`Contact::load`].
+    /// Applies a sudden load at t = 0 to the faces; see [`Contact::load`].
     pub fn load(&mut self, load: SuddenLoad, force: f64) {
         self.contact.iter_mut().for_each(|contact| contact.load(load, force));
     }
 
-    /// Displacement of the right face against the left one since the start, m.
+    /// Displacement of the right face relative to the left one since the start, m.
     pub fn jump(&self) -> f64 {
         self.contact.map_or(0.0, |contact| contact.jump())
     }
 
-    /// There is a gap between its faces.
+    /// Returns whether there is a gap between the faces.
     pub fn is_apart(&self) -> bool {
         self.contact.is_some_and(|contact| contact.gap() > 0.0)
     }
 
-    /// The joint, if it can open.
+    /// Returns the contact of a joint that can open; `None` if the joint is bonded.
     pub fn contact(&self) -> Option<&Contact> {
         self.contact.as_ref()
     }
 
-    /// Gives both sides what seems to lie beyond: as free ends if the cells pull at each other, else with the gradients that one force
-    /// and one velocity at the joint ask for, elastically. (Not whether it was open in the step before: of faces that only touch,
-    /// rounding says that.)
+    /// Sets the ghost cells of both sides: as at free ends if the cells pull at each other, otherwise with the elastic gradients for a common force
+    /// and velocity at the joint. Whether the joint was open in the previous step is not used: for faces that only touch, rounding decides that.
     pub fn share(&self, dt: f64, left: &mut Block, right: &mut Block, parts: &[Part]) {
         let (a, b) = (&parts[left.part], &parts[right.part]);
         let (i, j) = (left.inside(1, 0), right.inside(0, 0));
@@ -71,7 +71,7 @@ impl Joint {
         );
     }
 
-    /// What goes through its left and its right face in a step; `known` behind fans.
+    /// Returns the fluxes through the left and the right face in a step; `known` are those behind fans.
     pub fn step_flux(
         &mut self,
         dt: f64,
@@ -104,13 +104,13 @@ impl Joint {
     }
 }
 
-/// Both sides together, while their gap grows at `rate` (m/s).
+/// Returns the fluxes of two sides that move together while their gap grows at `rate` (m/s).
 fn closed_fluxes(rate: f64, [a, b]: [&Part; 2], [left, right]: &[FaceState; 2], work: &mut Workspace) -> [Flux; 2] {
     let half = 0.5 * rate;
     let bars = [response(a, &left.point, -1.0), response(b, &right.point, 1.0)];
     let force = force_at(rate, &bars);
     let elastic = a.faces.stays_elastic(left, -force / a.area) && b.faces.stays_elastic(right, -force / b.area);
-    // As if both moved towards each other by half the rate more, so that they are bonded.
+    // As for a bonded joint whose sides each move towards the other by an additional half of the rate.
     let (force, velocity) = if elastic {
         let (from_left, from_right) = (half - bars[0].velocity(force), bars[1].velocity(force) - half);
         (force, 0.5 * (from_left + from_right))
@@ -127,8 +127,8 @@ fn closed_fluxes(rate: f64, [a, b]: [&Part; 2], [left, right]: &[FaceState; 2], 
     ]
 }
 
-/// Velocity of the joint. Where a level curve caps the force, the side that could carry more moves with the joint, and the jump of
-/// velocity strains the other.
+/// Velocity of the joint. If a level curve caps the force, the side that could carry more moves with the joint, and the velocity jump strains the
+/// other side.
 fn together(star: &Star, work: &Workspace) -> f64 {
     let (left, right) = (star.velocity_left, star.velocity_right);
     let carries = [&work.left, &work.right].map(|path| path.cap() * path.area());

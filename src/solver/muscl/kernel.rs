@@ -16,7 +16,7 @@ use crate::wave::riemann::{Faces, FlowingRow, Flux};
 use fluxes::{correct_curve, correct_history};
 use reconstruction::{carry_curve, carry_history};
 
-/// What the elastic kernel must know of a segment.
+/// Data of a segment for the elastic kernel.
 #[derive(Debug, Clone, Copy)]
 struct Elastic {
     /// E dt/dx and dt/(rho dx).
@@ -32,7 +32,7 @@ impl Elastic {
     }
 }
 
-/// Room to work in. Whatever is read of it in a step has been written in that step.
+/// Working memory. Everything that is read in a step has been written in that step.
 #[derive(Clone)]
 pub(super) struct Scratch {
     carried: Reconstructed,
@@ -43,14 +43,14 @@ pub(super) struct Scratch {
     stress: [f64; ROW],
     slope: [f64; ROW],
     lost: [f64; ROW],
-    /// What cells gain of stress along the curve in half a step, Pa >= 0.
+    /// Stress that cells gain along the curve in half a step, Pa, >= 0.
     gained: [f64; ROW],
     flowing: FlowingRow<ROW>,
-    /// The cell lies inside a shock of a stiffening curve, or next to one.
+    /// Whether the cell lies inside a shock of a stiffening curve, or next to one.
     in_shock: [bool; ROW],
-    /// The cell has no slopes.
+    /// Whether the cell has no slopes.
     flat: [bool; ROW],
-    /// Between the cell and the next one lies a stiffening knot of the curve.
+    /// Whether a stiffening knot of the curve lies between the cell and the next one.
     changes: [bool; ROW],
     /// E times the strain, and its slopes where the curve is followed both ways, Pa.
     e_equivalent_strain: [f64; ROW],
@@ -58,9 +58,9 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// For laws with at most this many state numbers a cell.
+    /// Allocates scratch for laws with at most this many state variables per cell.
     pub fn new(state_len: usize) -> Self {
-        // A curve that is followed both ways has its state at both faces of a cell.
+        // A curve that is followed both ways has a state at both faces of a cell.
         let state = vec![0.0; state_len.max(2) * ROW];
         Self {
             carried: Reconstructed { left: [[0.0; ROW]; 2], right: [[0.0; ROW]; 2] },
@@ -81,14 +81,14 @@ impl Scratch {
     }
 }
 
-/// States of a row's cells at their left and right faces, half a step on: stresses and velocities.
+/// States of the cells of a row at their left and right faces, half a step ahead: stresses and velocities.
 #[derive(Clone)]
 struct Reconstructed {
     left: [[f64; ROW]; 2],
     right: [[f64; ROW]; 2],
 }
 
-/// What goes through the faces of a row: stress and velocity; face i is that between cells i - 1 and i.
+/// Stress and velocity at the faces of a row; face i is that between cells i - 1 and i.
 #[derive(Clone)]
 struct FaceFlux {
     stress: [f64; ROW + 1],
@@ -100,7 +100,7 @@ impl FaceFlux {
         (self.stress[face], self.velocity[face]) = (flux.stress, flux.velocity);
     }
 
-    /// Puts in what ends, joints and known fans let through.
+    /// Sets the fluxes of ends, joints and known fans.
     fn set_known(&mut self, block: &Block) {
         let last = block.sigma.len() - GHOSTS;
         for (side, face) in [(0, GHOSTS), (1, last)] {
@@ -114,18 +114,18 @@ impl FaceFlux {
     }
 }
 
-/// A row half a step on, by the cells' own law.
+/// A row after half a step with the cells' own law.
 #[derive(Clone)]
 struct Ahead {
     sigma: [f64; ROW],
-    /// As many numbers a cell as the law of the bar with the most.
+    /// State variables, as many per cell as the law of the bar with the most.
     state: Vec<f64>,
-    /// Not 0 in cells that flow.
+    /// Plastic work; not 0 in cells that flow.
     work: [f64; ROW],
 }
 
 impl Block {
-    /// One step. All outside copies are up to date.
+    /// Advances the block by one step. All ghost cells must be up to date.
     pub fn advance(&mut self, part: &Part, scratch: &mut Scratch) {
         if self.stage == Stage::Quiet {
             if self.at_rest() {
@@ -143,7 +143,7 @@ impl Block {
     }
 }
 
-/// One elastic step of a block; false, and nothing is changed, where a stress comes past the elastic limit.
+/// Advances a block by one elastic step. Returns false and changes nothing if a stress exceeds the elastic limit.
 fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
     let elastic = Elastic::of(part);
     let Scratch { carried, through, stress, lost, .. } = scratch;
@@ -161,7 +161,7 @@ fn elastic(block: &mut Block, part: &Part, scratch: &mut Scratch) -> bool {
     true
 }
 
-/// States at the faces of an elastic row. Returns the largest stress among them.
+/// Computes the states at the faces of an elastic row. Returns the largest magnitude of their stresses.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn carry(elastic: Elastic, cells: Range<usize>, sigma: &[f64], v: &[f64], carried: &mut Reconstructed) -> f64 {
     let (half_gain, half_kick) = (0.5 * elastic.gain, 0.5 * elastic.velocity_gain);
@@ -182,7 +182,7 @@ fn carry(elastic: Elastic, cells: Range<usize>, sigma: &[f64], v: &[f64], carrie
     largest(left_s, right_s)
 }
 
-/// The largest magnitude among two rows of one length.
+/// Largest magnitude in two rows of equal length.
 #[inline(always)]
 fn largest(a: &[f64], b: &[f64]) -> f64 {
     let mut peak = [0.0_f64; LANES];
@@ -198,7 +198,7 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
     peak.iter().fold(rest, |m, &p| m.max(p))
 }
 
-/// What goes through the own faces of an elastic row.
+/// Computes the fluxes through the faces of an elastic row.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn acoustic(elastic: Elastic, row: usize, carried: &Reconstructed, through: &mut FaceFlux) {
     let last = row - GHOSTS;
@@ -219,7 +219,7 @@ fn acoustic(elastic: Elastic, row: usize, carried: &Reconstructed, through: &mut
     }
 }
 
-/// Stresses of the own cells after an elastic step, into `after`. Returns the largest of them and of those at their faces.
+/// Writes the stresses of the own cells after an elastic step to `after`. Returns the largest magnitude of these and of the stresses at the faces.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn strain_elastic(elastic: Elastic, sigma: &[f64], through: &FaceFlux, after: &mut [f64]) -> f64 {
     let cells = sigma.len() - 2 * GHOSTS;
@@ -233,8 +233,8 @@ fn strain_elastic(elastic: Elastic, sigma: &[f64], through: &FaceFlux, after: &m
     largest(after, &stress[..cells]).max(stress[cells].abs())
 }
 
-/// New velocities of the own cells. Returns what the scheme takes from their energy, W/m^2 times the step's part: the sum of
-/// `(stress - s)(velocity - w)` over right faces less that over left ones, s and w the cell's means over the step.
+/// Updates the velocities of the own cells. Returns the energy that the scheme dissipates in them per area and time, W/m^2: the sum of
+/// `(stress - s)(velocity - w)` over right faces minus that over left faces, with s and w the cell's means over the step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn push(
     velocity_gain: f64,
@@ -261,7 +261,7 @@ fn push(
     sum(lost)
 }
 
-/// In [`LANES`] partial sums: the same bits whatever the width of the processor's registers.
+/// Adds values in [`LANES`] partial sums: the result is the same to the last bit for every register width of the processor.
 #[inline(always)]
 fn sum(values: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -274,7 +274,7 @@ fn sum(values: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
 }
 
-/// One step of a block in which some cell may flow.
+/// Advances a block by one step in which some cell may flow.
 fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     let law = part.law.law.as_ref();
@@ -314,7 +314,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     block.note_owed(&lost[..row - 2 * GHOSTS]);
 }
 
-/// [`RowLaw::strain`]; where the histories tell that no cell flows, without the law.
+/// Calls [`RowLaw::strain`], or adds the increments directly if the histories show that no cell flows.
 fn strain(
     law: &dyn RowLaw,
     histories: &[History],
@@ -331,7 +331,7 @@ fn strain(
     }
 }
 
-/// Plastic work of cells that the mean stresses of the step do not do, into `turned`, W/m^2 times the step's part. Returns its sum.
+/// Writes to `turned` the plastic work of cells that exceeds the work of the mean stresses of the step, per area and time, W/m^2. Returns its sum.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn turned_work(
     gain: f64,

@@ -4,10 +4,10 @@ use crate::bar::Segment;
 use crate::solver::fd::{SegmentGrid, SegmentLaw};
 use crate::wave::riemann::{Faces, Flow, Medium};
 
-/// Energy that slopes may give to a cell, as a part of its elastic energy at yield.
+/// Energy that slopes may give to a cell, relative to its elastic energy at yield.
 const MOST_ENERGY_DEFECT: f64 = 1e-3;
 
-/// A segment with its law and what its faces need.
+/// A segment with its law and the data for its faces.
 #[derive(Clone)]
 pub struct Part {
     pub(super) law: SegmentLaw,
@@ -22,14 +22,14 @@ pub struct Part {
     /// dt/(rho dx), m/s per Pa.
     pub(super) velocity_gain: f64,
     /// E times the strains (of a curve followed both ways) or accumulated plastic strains at which the curve stiffens, in tension and
-    /// compression, Pa; none along most curves.
+    /// compression, Pa; `None` for most curves.
     pub(super) stiffens: Option<[Vec<f64>; 2]>,
-    /// Stress up to which everything is elastic, Pa.
+    /// Stress up to which all is elastic, Pa.
     pub(super) limit: f64,
-    /// Energy that slopes may give to a cell, W/m^2, where the curve has a level or falling stretch; none along other curves.
+    /// Energy that slopes may give to a cell, W/m^2, if the curve has a level or falling part; `None` for other curves.
     pub(super) most_energy_defect: Option<f64>,
     /// E times the strains (of a curve followed both ways) or accumulated plastic strains from which the curve is level or falls, in tension and
-    /// compression, Pa; infinite where it rises throughout.
+    /// compression, Pa; infinite if it rises throughout.
     pub(super) levels: [f64; 2],
 }
 
@@ -59,32 +59,34 @@ impl Part {
         }
     }
 
-    /// The elastic range grows evenly, about zero stress: what is within the first limit is elastic for ever.
+    /// Returns whether hardening is isotropic: the elastic range grows about zero stress, so that stresses within the first limit always stay
+    /// elastic.
     pub(super) fn isotropic(&self) -> bool {
         self.faces.medium.flow == Flow::Plastic { kinematic: 0.0 }
     }
 
-    /// Shocks leave their dissipation in the material: along a curve that is followed both ways it is not plastic work.
+    /// Returns whether the dissipation of shocks remains in the material as plastic work. Where the curve is followed both ways it does not.
     pub(super) fn keeps_shocks(&self) -> bool {
         self.stiffens.is_some() && !self.path_independent
     }
 
-    /// A cell that has come so far along the curve in tension and in compression is where that is level or falls, Pa, as [`Part::levels`] counts.
+    /// Returns whether a cell at these values (Pa, in tension and in compression) of the quantity that [`Part::levels`] counts is on a level or
+    /// falling part of the curve.
     pub(super) fn is_level(&self, along: [f64; 2]) -> bool {
         along.iter().zip(self.levels).any(|(&along, level)| along >= level)
     }
 
-    /// Some cells may have no slopes.
+    /// Returns whether some cells may have no slopes.
     pub(super) fn may_be_first_order(&self) -> bool {
         self.path_independent || self.stiffens.is_some() || self.most_energy_defect.is_some()
     }
 
-    /// rho A dx, kg.
+    /// Mass of a cell, rho A dx, kg.
     pub(super) fn cell_mass(&self) -> f64 {
         self.density * self.area * self.dx
     }
 
-    /// A dx, m^3.
+    /// Volume of a cell, A dx, m^3.
     pub(super) fn cell_volume(&self) -> f64 {
         self.area * self.dx
     }

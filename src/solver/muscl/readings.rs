@@ -10,18 +10,18 @@ use crate::solver::fd::Quantity;
 use crate::solver::{EndSample, EndState, Energies};
 
 impl Muscl {
-    /// The joints that can open, with the segment to their left.
+    /// Iterates over the joints that can open, with the index of the segment to their left.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &Contact)> {
         self.joints.iter().filter_map(|joint| Some((self.blocks[joint.edge].part, joint.contact()?)))
     }
 
-    /// A quantity in one cell.
+    /// Returns a quantity in one cell.
     pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
         let block = &self.blocks[self.blocks.partition_point(|b| b.cells.end <= cell)];
         self.read(quantity, block, GHOSTS + cell - block.cells.start)
     }
 
-    /// A quantity in every cell, into `out` (one entry a cell).
+    /// Writes a quantity in every cell to `out` (one entry per cell).
     pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
         for block in &self.blocks {
             for (i, out) in out[block.cells.clone()].iter_mut().enumerate() {
@@ -42,19 +42,19 @@ impl Muscl {
         }
     }
 
-    /// K; not a number without the effect of heat.
+    /// Temperature of a cell, K; NaN without the effect of heat.
     fn temperature(&self, block: &Block, i: usize) -> f64 {
         let law = &self.parts[block.part].law.law;
         law.temperature(if block.stage == Stage::Plastic { &block.state } else { &[] }, i)
     }
 
-    /// E times the accumulated plastic strain, Pa.
+    /// E times the accumulated plastic strain of a cell, Pa.
     fn accumulated(&self, block: &Block, i: usize) -> f64 {
         let law = &self.parts[block.part].law.law;
         if block.stage == Stage::Plastic { law.accumulated(&block.state, i) } else { 0.0 }
     }
 
-    /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
+    /// Displacement of every cell centre, m: that of the left end plus the strain summed up to the cell.
     pub fn displacements(&self) -> Vec<f64> {
         let mut centres = Vec::with_capacity(self.grid.cells());
         let mut border = self.ends[0].displacement();
@@ -70,12 +70,12 @@ impl Muscl {
         centres
     }
 
-    /// The left and the right end: means over the latest step, and at the start the states just after t = 0.
+    /// Returns the mean state of the left and the right end over the latest step; at the start, the state just after t = 0.
     pub fn ends(&self) -> [EndState; 2] {
         if self.step == 0 { self.start } else { self.ends.each_ref().map(End::latest) }
     }
 
-    /// The left and the right end after the latest step.
+    /// Returns samples of the left and the right end after the latest step.
     pub fn end_samples(&self) -> [EndSample; 2] {
         if self.step == 0 {
             return self.start.map(|now| EndSample { now, latest: EndState::UNKNOWN });
@@ -83,12 +83,12 @@ impl Muscl {
         self.ends().map(|latest| EndSample { now: EndState::UNKNOWN, latest })
     }
 
-    /// Velocity of a striker at the left and at the right end, m/s, positive in +x; none where there is none.
+    /// Velocity of a striker at the left and the right end, m/s, positive in +x; `None` without a striker.
     pub fn striker_velocities(&self) -> [Option<f64>; 2] {
         self.ends.each_ref().map(End::striker_velocity)
     }
 
-    /// Work of the left and the right end so far, J.
+    /// Work done by the left and the right end so far, J.
     pub fn work(&self) -> [f64; 2] {
         self.ends.each_ref().map(|end| end.work)
     }
@@ -98,7 +98,7 @@ impl Muscl {
         self.ends.each_ref().map(|end| end.impulse)
     }
 
-    /// Sum of the sizes of all impulses of both ends so far, N s.
+    /// Sum of the magnitudes of all impulses of both ends so far, N s.
     pub fn throughput(&self) -> f64 {
         self.ends.iter().map(|end| end.throughput).sum()
     }
@@ -108,7 +108,7 @@ impl Muscl {
         self.blocks.iter().map(|b| self.parts[b.part].cell_mass() * b.cells.len() as f64).sum()
     }
 
-    /// Energies and momentum now. `numerical` is the scheme's own dissipation outside shocks.
+    /// Returns energies and momentum at the present time. `numerical` is the dissipation of the scheme outside shocks.
     pub fn energies(&self) -> Energies {
         let joints: f64 = self.contacts().map(|(_, contact)| contact.lost()).sum();
         let ends: f64 = self.ends.iter().map(|end| end.work - end.work_on_face).sum();
@@ -130,12 +130,12 @@ impl Muscl {
         total
     }
 
-    /// The cells that have come to a limit of what their law knows.
+    /// Returns the first cells that reached an end of the data of their law.
     pub fn passed(&self) -> FirstPassed {
         self.passed.clone()
     }
 
-    /// Notes those of the latest step.
+    /// Records the cells that reached an end of their data in the latest step.
     pub(super) fn note_limits(&mut self) {
         for block in self.blocks.iter().filter(|block| block.stage != Stage::Quiet) {
             let (sigma, state, cells) = (&block.sigma[..], &block.state[..], GHOSTS..block.sigma.len() - GHOSTS);
@@ -146,7 +146,7 @@ impl Muscl {
         }
     }
 
-    /// The first cell whose stress or velocity is not a finite number.
+    /// Returns the first cell whose stress or velocity is not finite.
     pub fn not_finite(&self) -> Option<usize> {
         self.blocks.iter().find_map(|block| {
             let bad = |i: &usize| !(block.sigma[*i] + block.v[*i]).is_finite();
@@ -155,7 +155,7 @@ impl Muscl {
         })
     }
 
-    /// Plastic state in memory, bytes.
+    /// Memory of the plastic state, bytes.
     pub fn state_bytes(&self) -> usize {
         self.blocks.iter().map(|b| b.state.len() * size_of::<f64>()).sum()
     }

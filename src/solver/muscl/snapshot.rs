@@ -1,4 +1,4 @@
-//! The state of a bar stepped by the Godunov scheme, for a checkpoint.
+//! State of a bar stepped by the Godunov scheme, for a checkpoint.
 
 use super::end::End;
 use super::stepping::Muscl;

@@ -1,4 +1,4 @@
-//! The bar and its step.
+//! The bar and its time stepping.
 
 use std::ops::Range;
 
@@ -16,43 +16,44 @@ use crate::solver::fd::{Grid, SegmentLaw};
 use crate::solver::{EndState, Resolution, StartingFan};
 use crate::wave::riemann::{FaceState, Flux, Medium, Workspace};
 
-/// Bars with fewer cells than this are stepped on one thread: below it, waking a second thread costs more than it saves.
+/// Smallest number of cells for which steps run on several threads: with fewer cells, waking a second thread costs more than it saves.
 const PARALLEL_FROM: usize = 16_384;
 
-/// Cells over which plastic fronts of a fan are spread at the start, unless the slowest is a shock, which stays sharp: spread like that, the first
-/// cells of a foam at half the Courant number have 0.7 % too much strain, and the force is up to 10 % too large behind it; sharp, 0.5 and 6 %.
+/// Number of cells over which plastic fronts of a fan are spread at the start, unless the slowest is a shock, which stays sharp. In a foam at half
+/// the Courant number, a spread shock leaves 0.7 % too much strain in the first cells and a force up to 10 % too large behind it; a sharp one 0.5 and
+/// 6 %.
 const RAMP: f64 = 7.0;
 
-/// Blocks that share room to work in, and that one thread steps in turn.
+/// Number of blocks that share a scratch and are stepped by one thread in turn.
 const GROUP: usize = 16;
 
-/// A bar being stepped: everything lives at `time()`.
+/// A bar advanced in time: all quantities hold at `time()`.
 pub struct Muscl {
     pub(super) grid: Grid,
     pub(super) parts: Vec<Part>,
     pub(super) blocks: Vec<Block>,
     pub(super) ends: [End; 2],
-    /// Just after t = 0.
+    /// States of the ends just after t = 0.
     pub(super) start: [EndState; 2],
     pub(super) joints: Vec<Joint>,
     /// Exact states of suddenly loaded ends and joints.
     sudden: SuddenLoads,
-    /// What suddenly loaded ends and joints start with.
+    /// Fans with which suddenly loaded ends and joints start.
     pub(super) fans: Vec<StartingFan>,
     pub(super) step: usize,
     pub(super) passed: FirstPassed,
     parallel: bool,
-    /// One for every group of blocks.
+    /// Scratch, one for every group of blocks.
     scratch: Vec<Scratch>,
     work: Workspace,
-    /// Room for the law state of a cell at an end or a joint.
+    /// Scratch for the state variables of a cell at an end or joint.
     state: Vec<f64>,
 }
 
 impl Muscl {
-    /// A bar at t = 0 in the state of its segments. `laws` and `media` have one entry a segment, and mean the
-    /// same law, without the effect of rate; heat is that of an adiabatic curve. Tapers are taken by their means, a ball at an
-    /// end as a free end: neither is simulated.
+    /// Creates a bar at t = 0 in the state of its segments. `laws` and `media` have one entry per segment, and both represent the same law, without
+    /// rate effect; heat is that of an adiabatic curve. Tapers are replaced by their means and a ball at an end by a free end: the method does not
+    /// simulate them.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<SegmentLaw>, media: Vec<Medium>, ends: [EndCondition; 2]) -> Self {
         let dt = grid.dt;
         let segments = bar.segments.iter().zip(&grid.segments).zip(laws.into_iter().zip(media));
@@ -91,7 +92,7 @@ impl Muscl {
         muscl
     }
 
-    /// The same bar at t = 0, whose ends and joints are loaded like this.
+    /// Adds the sudden loads of ends and joints to a bar at t = 0.
     #[must_use]
     pub fn under_sudden_loads(mut self, loads: SuddenLoads) -> Self {
         for &(k, load, force) in &loads.joints {
@@ -101,7 +102,7 @@ impl Muscl {
         self
     }
 
-    /// The same bar, the ends and joints of which start with these fans. For a bar at t = 0 whose laws follow the curves of the fans.
+    /// Makes the ends and joints of a bar at t = 0 start with these fans. The laws must follow the curves of the fans.
     #[must_use]
     pub fn starting_with(mut self, initial_fans: &[InitialFan]) -> Self {
         let starting = |fan: &InitialFan| {
@@ -116,7 +117,7 @@ impl Muscl {
         self
     }
 
-    /// Exact states of suddenly loaded ends and joints.
+    /// Returns the exact states of suddenly loaded ends and joints.
     pub fn sudden_loads(&self) -> &SuddenLoads {
         &self.sudden
     }
@@ -131,7 +132,7 @@ impl Muscl {
         }
     }
 
-    /// One step. Allocates nothing, but for the plastic state of a block in the step in which it first yields.
+    /// Advances the bar by one step. Allocates only the plastic state of a block in the step in which it first yields.
     pub fn advance(&mut self) {
         self.share();
         self.update_ends();
@@ -153,7 +154,7 @@ impl Muscl {
         self.note_limits();
     }
 
-    /// Gives every block what lies beyond it.
+    /// Fills the ghost cells of every block.
     fn share(&mut self) {
         for k in 1..self.blocks.len() {
             let (before, after) = self.blocks.split_at_mut(k);
@@ -219,7 +220,7 @@ impl Muscl {
         }
     }
 
-    /// Gives blocks what goes through the faces inside fans.
+    /// Sets the fluxes through the faces inside fans.
     fn fill_fans(&mut self) {
         let dt = self.grid.dt;
         for fan in self.fans.iter().filter(|fan| fan.is_imposed_at(self.step) && fan.is_imposed_inside()) {
@@ -242,28 +243,28 @@ impl Muscl {
         }
     }
 
-    /// Steps taken.
+    /// Number of steps taken.
     pub fn step(&self) -> usize {
         self.step
     }
 
-    /// s.
+    /// Present time, s.
     pub fn time(&self) -> f64 {
         self.step as f64 * self.grid.dt
     }
 
-    /// The grid.
+    /// Returns the grid.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// True while no cell has yielded: only the elastic kernel has run.
+    /// Returns whether no cell has yielded so far, so that only the elastic kernel has run.
     pub fn stayed_elastic(&self) -> bool {
         self.blocks.iter().all(|b| b.stage != Stage::Plastic || b.state.iter().all(|&number| number == 0.0))
     }
 }
 
-/// Every segment in blocks of nearly equal size.
+/// Divides every segment into blocks of nearly equal size.
 fn blocks(bar: &Bar, grid: &Grid, parts: &[Part]) -> Vec<Block> {
     let mut blocks = Vec::new();
     for (k, (of, segment)) in grid.segments.iter().zip(&bar.segments).enumerate() {
@@ -280,7 +281,7 @@ fn blocks(bar: &Bar, grid: &Grid, parts: &[Part]) -> Vec<Block> {
     blocks
 }
 
-/// The fans of the joint to the right of a segment that are imposed in this step, that of the left side first.
+/// Returns the two fans of the joint to the right of a segment that are imposed in this step, left side first.
 fn fans_of_joint(fans: &mut [StartingFan], segment: usize, step: usize) -> Option<[&mut StartingFan; 2]> {
     let sides = [(segment, 1), (segment + 1, 0)];
     let here =
@@ -289,7 +290,7 @@ fn fans_of_joint(fans: &mut [StartingFan], segment: usize, step: usize) -> Optio
     Some([found.next()?, found.next()?])
 }
 
-/// What goes through a joint behind its fans; its sides may be `apart` before this step.
+/// Returns the fluxes through a joint behind its fans; its sides may be `apart` before this step.
 fn behind_fans(
     fans: [&mut StartingFan; 2],
     step: usize,
@@ -305,12 +306,12 @@ fn behind_fans(
     }
     let fans = [&*left, &*right];
     let mut fluxes = fans.map(|fan| {
-        // On the grid the faces may have met within the step before.
+        // On the grid the faces may already have met within the previous step.
         let starts = fan.starts_within(step, dt).filter(|_| apart);
         let [velocity, stress] = starts.unwrap_or_else(|| fan.means(0.0, time.max(0.0), dt));
         Flux { stress, velocity }
     });
-    // What comes through this side is not known from its fan; both have one force.
+    // The fan of the side through which the wave arrives does not determine the stress there; both sides carry the same force.
     if let Some(side) = fans.iter().position(|fan| fan.follows_wave() && fan.stays_elastic()) {
         fluxes[side].stress = fluxes[1 - side].stress * parts[1 - side].area / parts[side].area;
     }

@@ -1,8 +1,8 @@
-//! An end of the net: half a node between the bar and what holds or drives it.
+//! An end of the net: half a node between the bar and its end condition.
 //!
-//! With W the characteristic that arrives and u the velocity into the bar, the end obeys `sigma + Z u = W - d`, and sends
-//! back `sigma - Z u - d`, where d is a quarter of what the end node flows in the step: half of it before, half after the
-//! moment at which sigma and u hold. That is the bar's side of [`crate::bar::ends`], with `q = -A (W - d)` and `Y = A Z`.
+//! With the arriving characteristic W and the velocity u into the bar, the end obeys `sigma + Z u = W - d` and sends back `sigma - Z u - d`, where d
+//! is a quarter of the plastic flow of the end node in the step: half of it occurs before, half after the time at which sigma and u hold. This is the
+//! bar's side of [`crate::bar::ends`], with `q = -A (W - d)` and `Y = A Z`.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,45 +12,46 @@ use crate::bar::ends::{self, EndModel, Face, Push, Relation, Response, Step};
 use crate::law::rate::{Flow, History};
 use crate::solver::{EndSample, EndState};
 
-/// An end and its account.
+/// An end with its work and impulse.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct End {
     #[serde(skip, default = "ends::stateless")]
     model: Box<dyn EndModel>,
     face: Face,
     dt: f64,
-    /// m, into the bar.
+    /// Displacement, m, into the bar.
     displacement: f64,
-    /// J, and that of the work done at the face: what a body loses in a step is more, by what its step does not resolve.
+    /// Work done on the bar, J, and work done at the face, J. A body loses more energy in a step than the face receives, because the step does not
+    /// resolve the exchange.
     work: f64,
     work_on_face: f64,
-    /// N s, positive in +x.
+    /// Impulse given to the bar, N s, positive in +x.
     impulse: f64,
     /// Sum of |impulse|, N s.
     throughput: f64,
-    /// Over the latest step.
+    /// State over the latest step.
     last: EndState,
-    /// The end flowed in it.
+    /// Whether the end node flowed in the latest step.
     flowed: bool,
 }
 
-/// The answer of an end over a step.
+/// Response of an end over a step.
 #[derive(Clone, Copy)]
 struct Answer {
-    /// N, compression positive.
+    /// Force, N, compression positive.
     force: f64,
-    /// Into the bar, m/s.
+    /// Velocity into the bar, m/s.
     velocity: f64,
-    /// Force and velocity as they are read: the part of the flow that comes before the reading has taken its share of the stress.
+    /// Force and velocity at the reading, after the stress drop of the flow that precedes it.
     read: [f64; 2],
     flow: Flow,
     history: History,
-    /// The end's relation was met.
+    /// Whether the relation of the end was met, i.e. no contact opened.
     met: bool,
 }
 
 impl End {
-    /// `inward` is +1 at the left end and -1 at the right one; `velocity` is that of the bar at the start, in +x.
+    /// Creates an end. `inward` is +1 at the left end and -1 at the right one; `velocity` is that of the bar at the start, in +x.
     pub fn new(condition: &EndCondition, inward: f64, part: &Part, velocity: f64, dt: f64) -> Self {
         let impedance = part.impedance * part.area;
         let face = Face { inward, area: part.area, impedance, velocity: inward * velocity };
@@ -68,7 +69,7 @@ impl End {
         }
     }
 
-    /// The step that begins at `time`: takes what arrives, W, and returns what leaves.
+    /// Advances the end over the step that begins at `time`. Receives the arriving characteristic W and returns the leaving one.
     pub fn advance(&mut self, time: f64, arriving: f64, part: &mut Part) -> f64 {
         let answer = self.answer(time, arriving, part);
         let half_way = self.reading_of(answer.force, answer.velocity);
@@ -86,7 +87,7 @@ impl End {
         self.throughput += impulse.abs();
         let [force, velocity] = answer.read;
         (self.last, self.flowed) = (self.reading_of(force, velocity), answer.flow.plastic != 0.0);
-        // From sigma + Z u = W - d and sigma - Z u - d.
+        // Follows from sigma + Z u = W - d and sigma - Z u - d.
         2.0 * half_way.stress - arriving
     }
 
@@ -94,12 +95,12 @@ impl End {
         if self.face.inward > 0.0 { 0 } else { part.f.len() }
     }
 
-    /// All that changes from step to step.
+    /// Returns everything that changes from step to step.
     pub fn state(&self) -> (&Self, [f64; 2]) {
         (self, self.model.state())
     }
 
-    /// Takes over what [`Self::state`] gave.
+    /// Restores the state that [`Self::state`] returned.
     pub fn restore(&mut self, (saved, state): (Self, [f64; 2])) {
         self.model = std::mem::replace(self, saved).model;
         self.model.restore(state);
@@ -113,8 +114,8 @@ impl End {
         EndState { stress: -force / self.face.area, velocity: self.face.inward * velocity }
     }
 
-    /// The end at the whole step `time`: the mean of the half steps before and after, where its history jumps the half step after, and at
-    /// the start the state just after it, before anything has flowed.
+    /// State of the end at the whole step `time`: the mean of the half steps before and after. If its history jumps there, the half step after; at
+    /// the start, the state just after t = 0, before any flow.
     pub fn reading(&self, time: f64, arriving: f64, part: &Part) -> EndState {
         if time <= 0.5 * self.dt {
             let bar = Response { force: -self.face.area * arriving, impedance: self.face.impedance };
@@ -129,7 +130,7 @@ impl End {
         self.last.mean(after)
     }
 
-    /// The end after `step` steps; `now` is its reading.
+    /// Returns the sample of the end after `step` steps; `now` is its reading.
     pub fn sample(&self, step: usize, now: EndState) -> EndSample {
         EndSample { now, latest: if step == 0 || self.flowed { EndState::UNKNOWN } else { self.last } }
     }
@@ -158,7 +159,7 @@ impl End {
         let load = |share| Load { stress: -elastic / self.face.area, share, time: self.dt };
         let node = self.node(part);
         let (mut flow, mut history) = part.flow_of_border(node, load(share));
-        // What the curve cannot carry pulls at the face all the same, and accelerates it as if it were elastic.
+        // A force that exceeds the largest stress of the curve still acts on the face, and accelerates it as if it were elastic.
         if part.runs_away(node, load(share), &flow) {
             (flow, history) = part.flow_of_border(node, load(INSIDE));
         }
@@ -172,7 +173,7 @@ impl End {
         self.face.inward * self.displacement
     }
 
-    /// Velocity of a striker or a ball at the whole step, m/s, positive in +x; none where there is none.
+    /// Velocity of a striker or ball at the whole step, m/s, positive in +x; `None` if there is none.
     pub fn striker_velocity(&self) -> Option<f64> {
         self.model.body().map(|body| self.face.inward * body.velocity)
     }
@@ -182,7 +183,7 @@ impl End {
         self.work
     }
 
-    /// What of it did not come to the face, J.
+    /// Part of that work that did not reach the face, J.
     pub fn lost(&self) -> f64 {
         self.work - self.work_on_face
     }
@@ -192,7 +193,7 @@ impl End {
         self.impulse
     }
 
-    /// Sum of the sizes of all impulses so far, N s.
+    /// Sum of the magnitudes of all impulses so far, N s.
     pub fn throughput(&self) -> f64 {
         self.throughput
     }

@@ -1,8 +1,8 @@
-//! Joints of two segments: bonded, or a contact joint, see [`crate::bar::joint`].
+//! Joints of two segments: bonded joints and contact joints, see [`crate::bar::joint`].
 //!
-//! With f and g arriving from the left and from the right the sides are `q_l = -A_l f`, `q_r = -A_r g` and `Y = A Z`. Where a border
-//! node flows, its side answers with `q + D`, D being A/4 of what it flows in the step: half of it before and half after the moment at
-//! which force and velocity hold. What leaves is `-2 p/A - f` and `-2 p/A - g`.
+//! With f arriving from the left and g from the right, the sides have `q_l = -A_l f`, `q_r = -A_r g` and `Y = A Z`. If the border node of a side
+//! flows, that side responds with `q + D`, where D is A/4 times its plastic flow in the step: half of it occurs before and half after the time at
+//! which force and velocity hold. The leaving waves are `-2 p/A - f` and `-2 p/A - g`.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,29 +12,29 @@ use crate::bar::joint::{Contact, force_at, free_rate};
 use crate::bar::{Joint as Kind, SuddenLoad};
 use crate::law::rate::{Flow, History};
 
-/// Rounds in which the flows of two sides adapt to each other: each halves what is missing, and both are treated alike.
+/// Number of iterations in which the flows of the two sides adapt to each other. Each halves the error, and both sides are treated alike.
 const ROUNDS: usize = 8;
 
-/// What leaves a joint: g into the left segment and f into the right one.
+/// Waves that leave a joint: g into the left segment and f into the right one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Passed {
     pub to_left: f64,
     pub to_right: f64,
 }
 
-/// The joint between two neighbouring segments.
+/// Joint between two neighbouring segments.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Joint {
-    /// None where it is bonded.
+    /// State of the contact; `None` if the joint is bonded.
     contact: Option<Contact>,
 }
 
 /// One side of a joint.
 struct Side<'a> {
     part: &'a Part,
-    /// Its border node.
+    /// Index of the border node.
     node: usize,
-    /// Share of its plastic flow by which its stress falls: none at a rigid neighbour.
+    /// Ratio of its stress drop to its plastic flow: 0 at a free face, [`INSIDE`] at a rigid neighbour.
     share: f64,
 }
 
@@ -44,7 +44,7 @@ impl Side<'_> {
         self.part.flow_of_border(self.node, load)
     }
 
-    /// The force at the reading.
+    /// Returns the force at the reading, after the flow that precedes it.
     fn after(&self, force: f64, flow: Flow) -> f64 {
         force + self.part.area * self.share * flow.before
     }
@@ -55,19 +55,19 @@ impl Joint {
         Self { contact: Contact::new(kind) }
     }
 
-    /// The faces are suddenly loaded like this; see [`Contact::load`].
+    /// Applies a sudden load to the faces; see [`Contact::load`].
     pub fn load(&mut self, load: SuddenLoad, force: f64) {
         if let Some(contact) = &mut self.contact {
             contact.load(load, force);
         }
     }
 
-    /// One step.
+    /// Advances the joint by one step and returns the waves that leave it.
     pub fn pass(&mut self, left: &mut Part, right: &mut Part, dt: f64) -> Passed {
         let bars = [bar(left, 1), bar(right, 0)];
         let Some(contact) = &mut self.contact else { return couple(left, right, &bars, Some(0.0), dt).0 };
         let (gap, rate) = (contact.gap(), contact.closing_rate(dt));
-        // Free sides flow next to nothing without stress.
+        // Without stress, free sides hardly flow, so that the elastic response decides whether they touch.
         let touches = contact.advance(dt, force_at(rate, &bars), free_rate(&bars));
         let (passed, [force, read]) = couple(left, right, &bars, touches.then_some(rate), dt);
         if touches {
@@ -77,24 +77,24 @@ impl Joint {
         passed
     }
 
-    /// How much farther apart the sides are than at the start, m.
+    /// Increase of the distance between the sides since the start, m.
     pub fn opened(&self) -> f64 {
         self.contact.map_or(0.0, |contact| contact.jump())
     }
 
-    /// The joint, if it can open.
+    /// Returns the contact of a joint that can open; `None` if the joint is bonded.
     pub fn contact(&self) -> Option<&Contact> {
         self.contact.as_ref()
     }
 }
 
-/// How a segment answers at its left (0) or right (1) border before that flows.
+/// Response of a segment at its left (0) or right (1) border before the border node flows.
 fn bar(part: &Part, side: usize) -> Response {
     Response { force: -part.area * part.arriving(side), impedance: part.area * part.impedance }
 }
 
-/// Sides that hold together while their gap grows at `rate` (m/s), or do not touch without one; and the force between them, half-way through
-/// their flow, and as it is read.
+/// Couples two sides whose gap grows at `rate` (m/s), or that do not touch if `rate` is `None`. Returns the waves that leave, and the force between
+/// the sides half-way through their flow and at the reading.
 fn couple(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<f64>, dt: f64) -> (Passed, [f64; 2]) {
     let force_of = |bars: &[Response; 2]| rate.map_or(0.0, |rate| force_at(rate, bars));
     let held = if rate.is_some() { INSIDE / (bars[0].impedance + bars[1].impedance) } else { 0.0 };
@@ -116,11 +116,11 @@ fn couple(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<
     (Passed { to_left: leaves(left, 1), to_right: leaves(right, 0) }, [force, read])
 }
 
-/// Plastic flow of both sides and their histories: each flows under the force that the other's flow leaves at the reading.
+/// Returns plastic flow and history of both sides. Each side flows under the force that the other's flow leaves at the reading.
 fn flow_of_both(sides: &[Side<'_>; 2], force: f64, dt: f64) -> [(Flow, History); 2] {
     let [a, b] = sides;
     let mut flows = [a.flow(force, dt), b.flow(force, dt)];
-    // Where one side does not flow, the other's flow only takes it farther from flowing.
+    // If one side does not flow, the flow of the other only takes it farther from yield.
     if flows.iter().any(|(flow, _)| flow.plastic == 0.0) {
         return flows;
     }

@@ -1,23 +1,23 @@
-//! The cells of a net: one time step for all segments of a bar.
+//! Cells and time step of a net: one time step for all segments of a bar.
 
 use crate::bar::Bar;
 use crate::solver::fd::Grid;
 
-/// Most time steps that are tried for the one that suits all segments.
+/// Largest number of time steps that are tried in the search for the best one.
 const MOST_TRIALS: usize = 200_000;
-/// A shift that needs no better step: a hundred times below the error of a fine net.
+/// Relative change of the transit times at which the search stops: one hundredth of the error of a fine net.
 const GOOD_SHIFT: f64 = 1e-7;
 
-/// A time step and what it does to the transit times.
+/// A time step, and the largest relative change of a transit time that it causes.
 #[derive(Clone, Copy)]
 struct Trial {
     dt: f64,
     shift: f64,
 }
 
-/// In every segment a whole number of cells, each crossed by the elastic wave in one time step, see [`Grid::in_steps_of`]. About `cells` over
-/// the bar, at least one a segment: up to a tenth more where that suits the segments better, up to four times as many where the rounding would
-/// otherwise exceed 0.1 %.
+/// Returns a grid with a whole number of cells in every segment, each crossed by the elastic wave in one time step, see [`Grid::in_steps_of`]. It has
+/// about `cells` cells, at least one in each segment: up to 10 % more if that suits the segments better, and up to four times as many if rounding
+/// would otherwise change transit times by more than 0.1 %.
 pub fn grid(bar: &Bar, cells: usize) -> Grid {
     let transits = bar.transit_times();
     let total: f64 = transits.iter().sum();
@@ -37,10 +37,10 @@ fn whole(transit: f64, dt: f64) -> usize {
     ((transit / dt).round() as usize).max(1)
 }
 
-/// The step between `longest` and `shortest` with the smallest shift; of equal ones, the longest.
+/// Returns the time step between `longest` and `shortest` that changes transit times least; the longest of equally good ones.
 fn best(transits: &[f64], longest: f64, shortest: f64) -> Trial {
     let mut best = tuned(transits, longest);
-    // Four trials for every new cell of the finest net.
+    // Four trials for every cell by which the finest net exceeds the coarsest.
     let finest: f64 = transits.iter().map(|t| t / shortest - t / longest).sum();
     let trials = ((4.0 * finest).ceil() as usize).min(MOST_TRIALS);
     for k in 1..=trials {
@@ -56,7 +56,7 @@ fn best(transits: &[f64], longest: f64, shortest: f64) -> Trial {
     best
 }
 
-/// The numbers of cells that go with a step, and the step that suits these numbers best.
+/// Determines the numbers of cells for a time step, and the time step that suits these numbers best.
 fn tuned(transits: &[f64], dt: f64) -> Trial {
     let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
     for &transit in transits {
@@ -64,7 +64,7 @@ fn tuned(transits: &[f64], dt: f64) -> Trial {
         low = low.min(own);
         high = high.max(own);
     }
-    // Relative changes dt/own - 1, as large up as down.
+    // The relative changes dt/own - 1 are as large upward as downward.
     let dt = 2.0 / (1.0 / low + 1.0 / high);
     Trial { dt, shift: (high - low) / (high + low) }
 }

@@ -1,4 +1,4 @@
-//! The nodes of one segment.
+//! Nodes of one segment.
 
 use std::ops::Range;
 
@@ -11,18 +11,17 @@ use crate::law::{DataEnd, Flowing, Reached};
 use crate::material::Sense;
 use crate::solver::fd::SegmentGrid;
 
-/// Share of its plastic flow by which the stress of a node falls inside a segment: what it meets on both sides takes the
-/// other half.
+/// Ratio of stress drop to plastic flow of a node inside a segment. The waves on both sides carry the other half.
 pub(super) const INSIDE: f64 = 0.5;
 
-/// How much more a border may flow in a step than a node inside the bar that relaxes to its curve. At an absorbing end, whose stress falls by
-/// half as much, it is twice as much: clearly above that, so that rounding decides nothing there.
+/// Limit of the flow of a border node in a step, relative to that of a node inside the bar that relaxes to its curve. At an absorbing end, whose
+/// stress falls by half as much, the flow is twice as much; the limit is well above that, so that rounding decides nothing.
 const RUN_AWAY: f64 = 3.0;
 
-/// Nodes that are looked at together: if none is beyond its elastic limits there is nothing to do for them.
+/// Number of nodes that are checked together: if none is beyond its elastic limits, the group is skipped.
 const GROUP: usize = 32;
 
-/// Nodes at fixed places: elastic limits, Pa, histories, and what they flowed in their latest step (E times plastic strain, Pa).
+/// Nodes at fixed positions: elastic limits (Pa), histories, and plastic flow of the latest step (E times plastic strain, Pa).
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Nodes {
     pub low: Vec<f64>,
@@ -34,16 +33,16 @@ pub(super) struct Nodes {
 /// Sums of plastic work.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Work {
-    /// All of it.
+    /// Total plastic work.
     pub total: f64,
-    /// Of it, that of the overstress.
+    /// Part of the total done by the overstress.
     pub overstress: f64,
-    /// Of it, what the net takes.
+    /// Part of the total that the net dissipates numerically.
     pub numerical: f64,
 }
 
 impl Work {
-    /// A part of a flow under a stress, which is the mean of those before and after it.
+    /// Returns the work of a fraction of a flow under `stress`, the mean of the stresses before and after it.
     pub fn of(part: f64, stress: f64, flow: &Flow) -> Self {
         Self {
             total: part * stress * flow.plastic,
@@ -66,25 +65,25 @@ pub(super) struct Part {
     end: DataEnd,
     /// Time step, s.
     dt: f64,
-    /// Its cells, counted over the whole bar.
+    /// Cells of the segment, counted over the whole bar.
     pub cells: Range<usize>,
-    /// m^2.
+    /// Cross-sectional area, m^2.
     pub area: f64,
-    /// rho c0, Pa s/m.
+    /// Impedance rho c0, Pa s/m.
     pub impedance: f64,
-    /// Pa.
+    /// Young's modulus, Pa.
     pub modulus: f64,
     /// sigma - Z v and sigma + Z v of the cells at whole steps, before they relax, Pa.
     pub f: Vec<f64>,
     pub g: Vec<f64>,
     pub centres: Nodes,
-    /// One more than cells; the first and the last belong to the joints or ends there.
+    /// Border nodes, one more than cells. The first and the last belong to the joints or ends there.
     pub borders: Nodes,
-    /// Plastic work so far, Pa^2; joules are [`Part::per_work`] times it.
+    /// Plastic work so far, Pa^2; [`Part::per_work`] converts it to joules.
     pub work: Work,
 }
 
-/// What a node meets: its stress on arrival, Pa, the share of its flow by which that falls, and the length of the step, s.
+/// Load on a node: its stress on arrival (Pa), the ratio of its stress drop to its flow, and the length of the step, s.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Load {
     pub stress: f64,
@@ -99,7 +98,7 @@ impl Load {
     }
 }
 
-/// Stress of a node beyond its elastic limits: (sense, excess).
+/// Returns sense (0 tension, 1 compression) and excess of a stress beyond the elastic limits of a node; `None` within them.
 #[inline]
 pub(super) fn beyond(stress: f64, low: f64, high: f64) -> Option<(usize, f64)> {
     if stress > high {
@@ -117,7 +116,7 @@ impl Nodes {
         Self { low, high, flowed: vec![0.0; history.len()], history }
     }
 
-    /// What node `i` would flow between these `neighbours`, and its history then.
+    /// Returns the flow of node `i` between these `neighbours` (their flow in their latest step), and its history after that.
     pub fn flow(&self, law: &RateLaw, i: usize, load: Load, neighbours: [f64; 2]) -> (Flow, History) {
         let mut history = self.history[i];
         let flow = match beyond(load.stress, self.low[i], self.high[i]) {
@@ -127,7 +126,7 @@ impl Nodes {
         (flow, history)
     }
 
-    /// Takes node `i` by a flow to a new history.
+    /// Records the flow of node `i` and its new history.
     pub fn set(&mut self, law: &RateLaw, i: usize, flow: &Flow, history: History) {
         self.flowed[i] = flow.plastic;
         if history != self.history[i] {
@@ -136,8 +135,8 @@ impl Nodes {
         }
     }
 
-    /// Lets the nodes from `first` on flow for a step of `time`; `f` and `g` (one entry a node) are what reaches them, and then
-    /// what leaves them. `neighbours` is what the nodes between which they lie have flowed, one more.
+    /// Advances the nodes from `first` on by a step of `time`. `f` and `g` (one entry per node) are the waves that arrive, and on return those that
+    /// leave. `neighbours` is the flow of the nodes between which they lie, one entry more.
     fn relax(&mut self, law: &RateLaw, time: f64, first: usize, neighbours: &[f64], [f, g]: [&mut [f64]; 2]) -> Work {
         let count = f.len();
         let g = &mut g[..count];
@@ -187,7 +186,7 @@ impl Part {
     pub fn new(law: RateLaw, grid: &SegmentGrid, dt: f64, segment: &Segment) -> Self {
         let (impedance, modulus, cells) = (segment.material.impedance(), segment.material.modulus, grid.cells.clone());
         let history = |[from, to]: [f64; 2]| law.deformed(&segment.initial_between(from, to).deformed(modulus));
-        // sigma - Z v is that of a velocity of the other sign.
+        // sigma - Z v of a state equals sigma + Z v at the opposite velocity.
         let passing = |sign: f64| {
             let of = |[from, to]: [f64; 2]| {
                 segment.initial_between(from, to).stress + sign * impedance * segment.velocity_between(from, to)
@@ -210,19 +209,19 @@ impl Part {
         }
     }
 
-    /// Joules per [`Work`]: A dt/(2 Z).
+    /// Returns the energy per [`Work`], A dt/(2 Z), which converts Pa^2 to J.
     pub fn per_work(&self, dt: f64) -> f64 {
         0.5 * self.area * dt / self.impedance
     }
 
-    /// The cells flow for a whole step; then f and g are what leaves them.
+    /// Advances the cells by a whole step. On return f and g are the waves that leave them.
     pub fn relax_cells(&mut self) {
         let work = self.centres.relax(&self.law, self.dt, 0, &self.borders.flowed, [&mut self.f, &mut self.g]);
         self.work.add(work);
     }
 
-    /// The borders inside the segment flow for a whole step; then f and g go on to the next cells. `entering` are the f
-    /// and the g that come in at the segment's left and right border.
+    /// Advances the borders inside the segment by a whole step and moves f and g on to the next cells. `entering` are the f and the g that enter at
+    /// the left and the right border of the segment.
     pub fn pass_borders(&mut self, entering: [f64; 2]) {
         let last = self.f.len() - 1;
         let between = [&mut self.f[..last], &mut self.g[1..]];
@@ -234,24 +233,24 @@ impl Part {
         self.g[last] = entering[1];
     }
 
-    /// What arrives at the segment's left (side 0: g) or right (side 1: f) border once the cells have flowed.
+    /// Returns the wave that arrives at the left (side 0: g) or right (side 1: f) border of the segment after the cells have flowed.
     pub fn arriving(&self, side: usize) -> f64 {
         if side == 0 { self.g[0] } else { self.f[self.f.len() - 1] }
     }
 
-    /// What local cell `i` flows in the step about the whole step.
+    /// Returns the flow of local cell `i` in the step centred on the whole step.
     pub fn flow_of_cell(&self, i: usize) -> Flow {
         let load = Load { stress: 0.5 * (self.f[i] + self.g[i]), share: INSIDE, time: self.dt };
         self.centres.flow(&self.law, i, load, [self.borders.flowed[i], self.borders.flowed[i + 1]]).0
     }
 
-    /// What the border node of an end or joint flows under a load, and its history then.
+    /// Returns the flow of the border node of an end or joint under a load, and its history after that.
     pub fn flow_of_border(&self, node: usize, load: Load) -> (Flow, History) {
         let beside = self.centres.flowed[node.min(self.f.len() - 1)];
         self.borders.flow(&self.law, node, load, [beside; 2])
     }
 
-    /// True where no flow takes the static curve of such a node to the stress that acts on it, and it flows more in a step than
+    /// Returns whether no flow can raise the static curve of such a node to the stress that acts on it and the node flows more in a step than
     /// [`RUN_AWAY`] allows.
     pub fn runs_away(&self, node: usize, load: Load, flow: &Flow) -> bool {
         let Some((sense, excess)) = beyond(load.stress, self.borders.low[node], self.borders.high[node]) else {
@@ -261,13 +260,14 @@ impl Part {
         flow.plastic.abs() > relaxed && stress > self.law.largest_limit(sense, &self.borders.history[node])
     }
 
-    /// Accounts for a flow of such a node under `stress`, the mean of those before and after it; it is half a node.
+    /// Accounts for the flow of such a node, which is half a node, under `stress`, the mean of the stresses before and after it.
     pub fn account(&mut self, node: usize, stress: f64, flow: &Flow, history: History) {
         self.work.add(Work::of(0.5, stress, flow));
         self.borders.set(&self.law, node, flow, history);
     }
 
-    /// Stress and history of local cell `i` at the whole step, the part of its flow before it done; and the work of that part.
+    /// Returns stress and history of local cell `i` at the whole step, after the part of its flow that precedes the reading, and the work of that
+    /// part.
     pub fn cell(&self, i: usize) -> (f64, History, Work) {
         let (stress, flow) = (0.5 * (self.f[i] + self.g[i]), self.flow_of_cell(i));
         if flow.plastic == 0.0 {
@@ -277,7 +277,8 @@ impl Part {
         let start = self.centres.history[i];
         let history = self.law.flowed(flow.before, &start);
         let work = Work::of(flow.before / flow.plastic, stress - 0.5 * drop, &flow);
-        // The stress falls as the node flows, so that this part has more than its share of the work: plastic work would be given back by the rest.
+        // The stress falls as the node flows, so that this first part of the flow does more than its share of the work. The excess counts as
+        // numerical; as plastic work, it would be taken back by the rest of the flow.
         let limit = |history| {
             let [low, high] = self.law.limits(history);
             if flow.plastic < 0.0 { low } else { high }
@@ -286,7 +287,7 @@ impl Part {
         (stress - drop, history, Work { numerical: work.total - work.overstress - on_curve, ..work })
     }
 
-    /// The limit of what its law knows to which local cell `i` has come, if it has.
+    /// Returns the end of the data of its law that local cell `i` has reached; `None` if it has reached none.
     pub fn reached(&self, i: usize) -> Option<Reached> {
         let nodes = &self.centres;
         let before = 0.5 * (self.f[i] + self.g[i]);

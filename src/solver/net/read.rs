@@ -11,18 +11,18 @@ use crate::solver::fd::Quantity;
 use crate::solver::{EndSample, EndState, Energies};
 
 impl Net {
-    /// The joints that can open, with the segment to their left.
+    /// Iterates over the joints that can open, with the index of the segment to their left.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &Contact)> {
         self.joints.iter().enumerate().filter_map(|(k, joint)| Some((k, joint.contact()?)))
     }
 
-    /// A quantity in one cell.
+    /// Returns a quantity in one cell.
     pub fn value(&self, quantity: Quantity, cell: usize) -> f64 {
         let k = self.parts.partition_point(|p| p.cells.end <= cell);
         Self::read(quantity, &self.parts[k], cell - self.parts[k].cells.start)
     }
 
-    /// A quantity in every cell, into `out` (one entry a cell).
+    /// Writes a quantity in every cell to `out` (one entry per cell).
     pub fn profile(&self, quantity: Quantity, out: &mut [f64]) {
         for part in &self.parts {
             for (i, out) in out[part.cells.clone()].iter_mut().enumerate() {
@@ -45,7 +45,7 @@ impl Net {
         }
     }
 
-    /// Static flow stress of a cell, Pa: what it could carry for ever in the sense of its present stress.
+    /// Static flow stress of a cell, Pa: the stress at which it would rest, in the sense of its present stress.
     pub fn static_stress(&self, cell: usize) -> f64 {
         let k = self.parts.partition_point(|p| p.cells.end <= cell);
         let part = &self.parts[k];
@@ -53,7 +53,7 @@ impl Net {
         part.law.limits(&history)[usize::from(stress >= 0.0)]
     }
 
-    /// Displacement of every cell centre, m: the left end's, and the strain summed up to the place.
+    /// Displacement of every cell centre, m: that of the left end plus the strain summed up to the cell.
     pub fn displacements(&self) -> Vec<f64> {
         let mut strains = vec![0.0; self.grid.cells()];
         self.profile(Quantity::Strain, &mut strains);
@@ -70,7 +70,7 @@ impl Net {
         centres
     }
 
-    /// The left and the right end now.
+    /// Returns the present state of the left and the right end.
     pub fn ends(&self) -> [EndState; 2] {
         let time = self.time();
         let leaving = |part: &Part, i: usize| super::part::INSIDE * part.flow_of_cell(i).plastic;
@@ -82,18 +82,18 @@ impl Net {
         ]
     }
 
-    /// The left and the right end after the latest step.
+    /// Returns samples of the left and the right end after the latest step.
     pub fn end_samples(&self) -> [EndSample; 2] {
         let [left, right] = self.ends();
         [self.ends[0].sample(self.step, left), self.ends[1].sample(self.step, right)]
     }
 
-    /// Velocity of a striker at the left and at the right end, m/s, positive in +x; none where there is none.
+    /// Velocity of a striker at the left and the right end, m/s, positive in +x; `None` without a striker.
     pub fn striker_velocities(&self) -> [Option<f64>; 2] {
         [self.ends[0].striker_velocity(), self.ends[1].striker_velocity()]
     }
 
-    /// Work of the left and the right end so far, J.
+    /// Work done by the left and the right end so far, J.
     pub fn work(&self) -> [f64; 2] {
         [self.ends[0].work(), self.ends[1].work()]
     }
@@ -103,18 +103,18 @@ impl Net {
         [self.ends[0].impulse(), self.ends[1].impulse()]
     }
 
-    /// Sum of the sizes of all impulses of both ends so far, N s.
+    /// Sum of the magnitudes of all impulses of both ends so far, N s.
     pub fn throughput(&self) -> f64 {
         self.ends[0].throughput() + self.ends[1].throughput()
     }
 
-    /// Mass of the bar, kg: with every segment's transit time rounded to whole steps.
+    /// Mass of the bar, kg, with the transit time of every segment rounded to whole steps.
     pub fn mass(&self) -> f64 {
         self.parts.iter().map(|p| p.area * p.impedance * self.grid.dt * p.f.len() as f64).sum()
     }
 
-    /// Energies and momentum now. `plastic` is the work on the static curve (and of back stresses), `viscoplastic` that
-    /// of the overstress.
+    /// Returns energies and momentum at the present time. `plastic` is the work on the static curve (and of back stresses), `viscoplastic` that of
+    /// the overstress.
     pub fn energies(&self) -> Energies {
         let dt = self.grid.dt;
         let joints: f64 = self.contacts().map(|(_, contact)| contact.lost()).sum();
@@ -131,7 +131,7 @@ impl Net {
                 speeds += velocity * velocity;
                 momentum += velocity;
             }
-            // A cell holds A dx sigma^2/(2E), and dx/E = dt/Z; its mass is A Z dt.
+            // The strain energy of a cell is A dx sigma^2/(2E) with dx/E = dt/Z; its mass is A Z dt.
             let (per_work, mass) = (part.per_work(dt), part.area * part.impedance * dt);
             total.elastic += per_work * squares;
             total.kinetic += 0.5 * mass * speeds;
@@ -143,12 +143,12 @@ impl Net {
         total
     }
 
-    /// The cells that have come to a limit of what their law knows.
+    /// Returns the first cells that reached an end of the data of their law.
     pub fn passed(&self) -> FirstPassed {
         self.passed.clone()
     }
 
-    /// Notes those of the latest step: the static state of a cell is where its data end.
+    /// Records the cells that reached an end of their static data in the latest step.
     pub(super) fn note_limits(&mut self) {
         let step = self.step;
         for (segment, part) in self.parts.iter().enumerate() {
@@ -161,17 +161,17 @@ impl Net {
         }
     }
 
-    /// The first cell whose stress or velocity is not a finite number.
+    /// Returns the first cell whose stress or velocity is not finite.
     pub fn not_finite(&self) -> Option<usize> {
         let bad = |p: &Part| p.f.iter().zip(&p.g).position(|(f, g)| !(f + g).is_finite()).map(|i| p.cells.start + i);
         self.parts.iter().find_map(bad)
     }
 
-    /// True while nothing has flowed.
+    /// Returns whether nothing has flowed so far.
     pub fn stayed_elastic(&self) -> bool {
         self.parts.iter().all(|p| p.work.overstress == 0.0 && p.work.total == 0.0)
     }
 
-    /// Memory of a cell, bytes: what travels through it, and its two nodes with their limits and histories.
+    /// Memory per cell, bytes: its two travelling waves, and its two nodes with limits and histories.
     pub const BYTES_PER_CELL: usize = 2 * size_of::<f64>() + 2 * (size_of::<History>() + 2 * size_of::<f64>());
 }

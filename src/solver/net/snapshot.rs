@@ -1,4 +1,4 @@
-//! The state of a characteristic net, for a checkpoint.
+//! State of a characteristic net, for a checkpoint.
 
 use super::end::End;
 use super::part::Part;

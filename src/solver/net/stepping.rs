@@ -1,4 +1,4 @@
-//! The step of the net.
+//! Time stepping of the net.
 
 use super::end::End;
 use super::joint::Joint;
@@ -8,15 +8,15 @@ use crate::law::FirstPassed;
 use crate::law::rate::RateLaw;
 use crate::solver::fd::Grid;
 
-/// A bar on a characteristic net, between steps: everything at [`Net::time`].
+/// A bar on a characteristic net, between steps: all quantities hold at [`Net::time`].
 #[derive(Debug, Clone)]
 pub struct Net {
     pub(super) grid: Grid,
     pub(super) parts: Vec<Part>,
-    /// One fewer than segments.
+    /// Joints, one fewer than segments.
     pub(super) joints: Vec<Joint>,
     pub(super) ends: [End; 2],
-    /// What enters each segment at its left border (f) and at its right one (g) in the step under way.
+    /// Waves that enter each segment at its left border (f) and at its right one (g) in the current step.
     entering: Vec<[f64; 2]>,
     pub(super) step: usize,
     pub(super) passed: FirstPassed,
@@ -24,7 +24,7 @@ pub struct Net {
 }
 
 impl Net {
-    /// A bar at t = 0 in the state of its segments, on a [`super::grid`]. `laws` has one entry a segment.
+    /// Creates a bar at t = 0 in the state of its segments, on a [`super::grid`]. `laws` has one entry per segment.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
         let parts: Vec<Part> = bar
             .segments
@@ -53,7 +53,7 @@ impl Net {
         }
     }
 
-    /// The same bar at t = 0, whose ends and joints are loaded like this.
+    /// Adds the sudden loads of ends and joints to a bar at t = 0.
     #[must_use]
     pub fn under_sudden_loads(mut self, loads: SuddenLoads) -> Self {
         for &(k, load, force) in &loads.joints {
@@ -63,12 +63,12 @@ impl Net {
         self
     }
 
-    /// States behind sudden loads of ends and joints.
+    /// Returns the states behind sudden loads of ends and joints.
     pub fn sudden_loads(&self) -> &SuddenLoads {
         &self.sudden
     }
 
-    /// One step. Allocates nothing.
+    /// Advances the bar by one step. Allocates nothing.
     pub fn advance(&mut self) {
         let time = self.time();
         for part in &mut self.parts {
@@ -102,12 +102,12 @@ impl Net {
         self.entering[last][1] = right.advance(time, arriving, part);
     }
 
-    /// Steps taken.
+    /// Number of steps taken.
     pub fn step(&self) -> usize {
         self.step
     }
 
-    /// Time, s.
+    /// Present time, s.
     pub fn time(&self) -> f64 {
         self.step as f64 * self.grid.dt
     }

@@ -1,4 +1,4 @@
-//! One point of a refinement: its result, its stepping times, the time of a whole process.
+//! One point of a refinement: its error, its stepping time and the time of a whole process.
 
 use super::measure::{self, Pass, Wanted, Watch};
 use super::points::CostPoint;
@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::solver::moc::FrontTracking;
 use crate::study::plan;
 
-/// Runs the points of the ladders.
+/// Runs the points of the refinements.
 pub(super) struct Bench<'a> {
     pub source: &'a Source<'a>,
     pub families: &'a [Family],
@@ -21,7 +21,7 @@ pub(super) struct Bench<'a> {
     pub points: Vec<Vec<CostPoint>>,
 }
 
-/// Whole runs that take less than this are repeated, s.
+/// Whole runs shorter than this are repeated up to `WHOLE_REPEATS` times, s.
 const SHORT_WHOLE: f64 = 0.2;
 const WHOLE_REPEATS: usize = 3;
 
@@ -46,7 +46,7 @@ impl Runner for Bench<'_> {
             tolerance @ Resolution::FrontTolerance(_) => tolerance,
         };
         let by = by.solved_by(names);
-        // Finer points of other methods may still tell that the reference is surer than as it was chosen.
+        // Finer points of other methods may later show that the reference is more certain than it was when it was chosen.
         let below_reference = error <= self.reference.own;
         self.points[family].push(CostPoint {
             by,
@@ -76,7 +76,7 @@ impl Runner for Bench<'_> {
 }
 
 impl Bench<'_> {
-    /// Median time of the whole process, s; none where it takes too long or stops, or is not asked for.
+    /// Returns the median time of the whole process, s, or `None` if whole runs are not requested or the run failed or exceeded its time.
     fn whole(&mut self, overrides: &[String]) -> Result<Option<f64>, Halt> {
         let Some(run) = &mut self.whole else { return Ok(None) };
         let mut times: Vec<f64> = Vec::new();
@@ -92,7 +92,7 @@ impl Bench<'_> {
     }
 }
 
-/// Solver memory of a finished run, bytes.
+/// Returns the solver memory of a finished run, bytes.
 pub(super) fn memory(scene: &Scene, pass: &Pass) -> u64 {
     match &pass.tracked {
         Some(bar) => (bar.pieces * FrontTracking::BYTES_PER_FRONT) as u64,

@@ -1,5 +1,6 @@
-//! Candidates for a reference where none is exact: front tracking and grids, refined in turn. The next refinement is that with
-//! the smallest expected uncertainty in the remaining time. What a candidate says of its own error is checked against the others.
+//! Candidates for the reference if no exact solution exists: front tracking and grids, refined in turns. The candidate with the smallest expected
+//! uncertainty after the remaining time is refined next. The uncertainty that a candidate estimates from its own runs is checked against the other
+//! candidates.
 
 use super::Instants;
 use super::measure::{self, Pass, Wanted, Watch};
@@ -10,48 +11,51 @@ use crate::record::Measure;
 use crate::scene::Scene;
 use crate::solver::moc::{RAMP_STEP, Settings};
 
-/// A reference that is uncertain by no more than this need not be surer: a tenth of the finest tolerance that is asked after.
+/// Uncertainty below which a reference is not refined further: a tenth of the finest tolerance that is evaluated.
 const SURE: f64 = 1e-5;
-/// Share of the time that the attempt to keep every wave may take, and that any one run of front tracking may.
+/// Fractions of the remaining time: for the attempt to keep every wave, and for any single run of front tracking.
 const EXACT_SHARE: f64 = 0.1;
 const RUN_SHARE: f64 = 0.5;
-/// Tolerances of references that thin waves, and steps of ramps in those that do not.
+/// Front tolerances of reference runs that merge waves, and step heights of ramps in reference runs that keep every wave.
 const TOLERANCES: [f64; 9] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6];
-/// Cells of the first grid that may be a reference.
+/// Cells of the coarsest grid of a reference.
 const FIRST_CELLS: usize = 400;
-/// Growth of the time from one run to the next that is expected of a grid, and of fronts until two runs tell.
+/// Expected growth of the computing time from one run to the next: of a grid whose cells double, and of front tracking, for which the growth between
+/// the last two runs is used if it is known, limited to `FRONT_GROWTH` to `MOST_GROWTH`.
 const GRID_GROWTH: f64 = 4.3;
 const FRONT_GROWTH: f64 = 4.0;
 const MOST_GROWTH: f64 = 15.0;
-/// Rounding of an exact solution: sums over some thousand steps of double precision.
+/// Rounding error of an exact solution: sums over some thousand steps in double precision.
 pub(super) const ROUNDING: f64 = 1e-12;
-/// Orders that are believed of a reference: where waves are elastic or smooth they are higher, and it is surer than it says.
+/// Range of the convergence order that is used for the uncertainty of a reference. Elastic or smooth waves converge faster; the reference is then
+/// more certain than stated.
 const ORDERS: [f64; 2] = [0.5, 1.0];
-/// A difference that fell faster than by this order did so by chance: two grids can be off by the same.
+/// Highest order that is attributed to convergence. A difference that decreased faster did so by chance: two grids can have the same error.
 const HIGHEST_ORDER: f64 = 2.0;
-/// Orders that show that a method converges. Differences that grow, or vanish, show nothing: all grids can be off by the same.
+/// Range of observed orders that demonstrates convergence. Differences that increase or vanish demonstrate nothing: all grids can have the same
+/// error.
 pub(super) const SHOWN_ORDERS: [f64; 2] = [0.25, 3.0];
-/// Runs of a candidate before any is preferred; a grid has one more, so that it shows an order, where that takes no more than this
-/// share of the time left.
+/// Number of runs of each candidate before one of them is preferred. A grid has one more run, so that it shows an order, if that run takes at most
+/// the fraction `THIRD_SHARE` of the remaining time.
 const FIRST_RUNS: usize = 2;
 const THIRD_SHARE: f64 = 0.1;
 
-/// What a candidate is.
+/// Method of a candidate.
 pub(super) enum Kind<'a> {
-    /// Front tracking; `keeps` every wave, so that only the steps of ramps get finer.
+    /// Front tracking. If `keeps`, every wave is kept and only the steps of ramps are refined.
     Fronts { scene: Box<Scene>, keeps: bool },
-    /// A grid, and which of the families it is.
+    /// A grid, with its index among the families.
     Grid { index: usize, family: &'a Family },
 }
 
 /// A finished run.
 pub(super) struct Run {
-    /// Cells, or one over the tolerance.
+    /// Number of cells, or the reciprocal of the tolerance.
     pub fineness: f64,
     pub pass: Pass,
 }
 
-/// One way, with its finest runs (at most three), coarse to fine.
+/// A method that may give the reference, with its finest runs (at most three), coarse to fine.
 pub(super) struct Candidate<'a> {
     pub kind: Kind<'a>,
     pub runs: Vec<Run>,
@@ -60,7 +64,7 @@ pub(super) struct Candidate<'a> {
 }
 
 impl<'a> Candidate<'a> {
-    /// Front tracking of a scene; `kept` is a run that kept every wave, with ramps in their coarsest steps.
+    /// Creates a candidate that uses front tracking. `kept` is a run that kept every wave, with ramps in their coarsest steps.
     pub fn of_fronts(scene: Scene, kept: Option<Pass>, measure: Measure) -> Self {
         let keeps = kept.is_some();
         let runs = kept.into_iter().map(|pass| Run { fineness: 1.0 / RAMP_STEP, pass }).collect();
@@ -71,8 +75,9 @@ impl<'a> Candidate<'a> {
         Self { kind: Kind::Grid { index, family }, runs: Vec::new(), measure, out: false }
     }
 
-    /// How far the finest run may be off by its own account: what the last difference leaves, by the order seen in three runs or
-    /// the lowest one. None for fewer than two runs that approximate.
+    /// Returns the uncertainty of the finest run, estimated from this candidate's runs alone: the last difference extrapolated with the observed
+    /// order of three runs, or with the lowest order of [`ORDERS`] for two runs. Returns 0 for an exact run, and `None` for fewer than two runs
+    /// otherwise.
     pub fn uncertainty(&self) -> Option<f64> {
         if self.runs.last().and_then(|run| run.pass.tracked).is_some_and(|bar| bar.exact) {
             return Some(0.0);
@@ -84,9 +89,9 @@ impl<'a> Candidate<'a> {
         Some(near / (ratio.powf(self.order()) - 1.0))
     }
 
-    /// The uncertainty beside the others. Front tracking that converges needs no witness: it solves the tabulated curve itself. A
-    /// grid may converge to something else: another method contradicts it by what the estimates of both do not explain, and by
-    /// all that they differ where the grid shows no order.
+    /// Returns the uncertainty with respect to the other candidates. Front tracking that converges needs no confirmation, because it solves the
+    /// tabulated curve itself. A grid may converge to a different solution. If the difference from another candidate exceeds the sum of both
+    /// estimates, or if the grid shows no convergence, the difference counts as the uncertainty.
     fn stated(&self, others: &[Candidate<'_>]) -> Option<f64> {
         let own = self.uncertainty()?;
         let shown = self.seen_order();
@@ -106,7 +111,8 @@ impl<'a> Candidate<'a> {
         matches!(self.kind, Kind::Fronts { .. })
     }
 
-    /// Difference of the finest runs of two candidates. The steps of a grid are among the instants of tracked fronts.
+    /// Returns the difference between the finest runs of two candidates. Front tracking is always the reference of the pair, because its instants
+    /// include the steps of the grids.
     fn apart_from(&self, other: &Candidate<'_>) -> Option<f64> {
         let (pass, reference) = if self.tracks() { (other, self) } else { (self, other) };
         let [pass, reference] = [pass.runs.last()?, reference.runs.last()?];
@@ -121,7 +127,7 @@ impl<'a> Candidate<'a> {
         self.seen_order().unwrap_or(ORDERS[0]).clamp(ORDERS[0], ORDERS[1])
     }
 
-    /// Order by which the last difference is smaller than the one before; infinite where only that is 0.
+    /// Returns the order of convergence observed in three runs; infinite if only the last difference is 0.
     fn seen_order(&self) -> Option<f64> {
         let [first, before, last] = &self.runs[..] else { return None };
         let (far, near) = (self.apart(first, before)?, self.apart(before, last)?);
@@ -129,7 +135,7 @@ impl<'a> Candidate<'a> {
         (!seen.is_nan()).then_some(seen)
     }
 
-    /// How finely the next run works; none where there is no finer one.
+    /// Returns the fineness of the next run, or `None` if there is no finer one.
     fn next(&self) -> Option<f64> {
         let last = self.runs.last().map(|run| run.fineness);
         match self.kind {
@@ -140,7 +146,7 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// Time of the next run over that of the last.
+    /// Returns the expected computing time of the next run relative to that of the last one.
     fn growth(&self) -> f64 {
         match (&self.kind, &self.runs[..]) {
             (Kind::Grid { .. }, _) => GRID_GROWTH,
@@ -149,7 +155,7 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// It is not to be judged by the runs that it has, with so much time left, s.
+    /// Returns whether the candidate has too few runs to be judged. `left` is the remaining time, s.
     fn is_young(&self, left: f64) -> bool {
         let third = |last: &Run| self.growth() * last.pass.seconds <= THIRD_SHARE * left;
         let enough = match self.runs.len() {
@@ -159,7 +165,7 @@ impl<'a> Candidate<'a> {
         !self.out && !enough
     }
 
-    /// The uncertainty to which it is expected to get in this time, s; infinite where nothing more fits into it.
+    /// Returns the uncertainty that the candidate is expected to reach within `time` (s); infinite if no further run fits.
     fn promise(&self, mut time: f64) -> f64 {
         let (Some(mut uncertainty), Some(last), Some(next)) = (self.uncertainty(), self.runs.last(), self.next())
         else {
@@ -220,7 +226,7 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// A run that keeps every wave, with ramps in their coarsest steps, if the time allows it.
+/// Runs front tracking with every wave kept and ramps in their coarsest steps. Returns `None` if the time is not sufficient or the run fails.
 pub(super) fn every_wave(
     scene: &Scene,
     instants: &Instants,
@@ -249,15 +255,15 @@ fn fronts(
     measure::pass(scene, Wanted { instants: &instants.own, settings: Some(settings) }, watch)
 }
 
-/// The candidate that is uncertain by the least beside all others, and by how much.
+/// Returns the index and the uncertainty of the candidate that is least uncertain with respect to the others.
 pub(super) fn surest(candidates: &[Candidate<'_>]) -> Option<(usize, f64)> {
     let known = candidates.iter().enumerate().filter_map(|(k, c)| Some((k, c.stated(candidates)?, c.uncertainty()?)));
-    // Two that contradict each other are as uncertain.
+    // Two candidates that contradict each other have the same uncertainty; their own estimates decide.
     let best = known.min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.total_cmp(&b.2)));
     best.map(|(k, stated, _)| (k, stated))
 }
 
-/// Refines the candidates in the watch's time; what stopped them, where the user did.
+/// Refines the candidates until the time of `watch` is used up or no refinement is worthwhile. Returns the reason if the user stopped it.
 pub(super) fn race(
     candidates: &mut [Candidate<'_>],
     source: &Source<'_>,
@@ -270,7 +276,7 @@ pub(super) fn race(
         if left <= 0.0 {
             return Ok(None);
         }
-        // The first runs of each come first, those of grids before those of fronts, which may not end.
+        // The first runs of every candidate have priority, those of grids before those of front tracking, which may not finish.
         let young = candidates.iter_mut().rev().filter(|candidate| candidate.is_young(left));
         let next = if let Some(young) = young.min_by_key(|candidate| candidate.runs.len()) {
             Some(young)
@@ -331,13 +337,13 @@ mod tests {
     fn grids_that_are_all_off_by_the_same_are_no_reference_beside_another_method() {
         let family =
             Family { choice: crate::scene::MethodChoice::ALL[2], names: ["fd", "leapfrog"], levels: Vec::new() };
-        // No differences between the grids, which overshoot by 4 %: not even a coarse run lets that stand.
+        // All grids overshoot by the same 4 %, so their differences vanish. Even a coarse run of another method contradicts them.
         let mut blind = grid(&family, 1.0, [1.0; 3]);
         blind.runs = [400.0, 800.0, 1600.0].map(|cells| run(cells, 0.04, 1.0)).into();
         let coarse = [fronts(0.0, &[0.1, 0.05]), blind];
         let (_, uncertainty) = surest(&coarse).expect("two runs of each");
         assert!(uncertainty > 9e-3, "{uncertainty}");
-        // Front tracking that converges is believed.
+        // Front tracking that converges is accepted without confirmation.
         let [_, blind] = coarse;
         let (index, uncertainty) = surest(&[blind, fronts(0.0, &[9e-4, 3e-4, 1e-4])]).expect("three runs of each");
         assert!(index == 1 && uncertainty < 3e-4, "{index}: {uncertainty}");

@@ -1,4 +1,4 @@
-//! Cost of each effect of the scene: the same grid with it and without it, alternating.
+//! Cost of each effect of the scene: the same grid with and without it, in alternating runs.
 
 use serde::Serialize;
 
@@ -7,37 +7,37 @@ use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
 use crate::scene::{Effects, Scene};
 
-/// Cells of the grid on which effects are timed: it fits into the cache, and its steps are long beside their overhead.
+/// Cells of the grid on which effects are timed. The grid fits into the cache, and its steps are long compared with their overhead.
 const CELLS: usize = 1000;
 
-/// Turns, at least and at most, and for how long, s.
+/// Fewest and most pairs of runs with and without an effect, and the time after which no further pair is started, s.
 const LEAST_TURNS: usize = 5;
 const MOST_TURNS: usize = 41;
 const TURNS_FOR: f64 = 0.5;
 
-/// The cost of one effect.
+/// Cost of one effect.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EffectCost {
-    /// As in summaries, e.g. "hardening: isotropic".
+    /// Effect as in summaries, e.g. "hardening: isotropic".
     pub effect: String,
-    /// Added by it, ns; null where it cannot be left off alone.
+    /// Time per cell-step added by the effect, ns; null if the effect cannot be disabled alone.
     pub ns_per_cell_step: Option<f64>,
-    /// Stepping time with it over that without.
+    /// Ratio of the stepping times with and without the effect.
     pub ratio_to_none: Option<f64>,
-    /// ns a cell-step with it.
+    /// Time per cell-step with the effect, ns.
     pub ns_with: Option<f64>,
     /// Cells of the grid.
     pub cells: usize,
     /// "leapfrog", ...
     pub scheme: String,
-    /// Distance of the quartiles over the median, of the slower of both.
+    /// Interquartile range of the stepping times relative to their median; the larger value of the runs with and without the effect.
     pub spread: Option<f64>,
-    /// Why there is no figure.
+    /// Reason why there is no figure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub why: Option<String>,
 }
 
-/// Times every effect that is on; those that the time does not allow are named too.
+/// Times every active effect. Effects that could not be timed are listed with the reason. The flag is true if the user interrupted the study.
 pub(super) fn effects(
     scene: &Scene,
     source: &Source<'_>,
@@ -82,13 +82,13 @@ pub(super) fn effects(
     (costs, false)
 }
 
-/// Stepping times with and without an effect, and the cell-steps of a run.
+/// Returns the stepping times with and without an effect, and the cell-steps of a run.
 fn one(source: &Source<'_>, family: &Family, key: &str, watch: &mut Watch<'_>) -> Result<(Timing, Timing, f64), Halt> {
     watch.what = format!("cost of {key}");
     let failed = |e: crate::error::Error| Halt::Failed(e.to_string());
     let with = source.at(family.choice, Resolution::Cells(CELLS)).map_err(failed)?;
     let mut overrides = source.overrides(family.choice, Some(Resolution::Cells(CELLS)));
-    // What is recorded plays no part here, and could be something that only this effect makes.
+    // Recording does not affect the stepping time, and a recorded field may exist only with this effect.
     overrides.extend(["record={frames=1,fields=[\"stress\"]}".to_owned(), format!("effects.{key}=")]);
     let alone = |why: &str| Halt::Failed(format!("it cannot be disabled alone: {why}"));
     let without = source.read(&overrides).map_err(|e| match e {

@@ -1,4 +1,4 @@
-//! Growth of time and memory with the number of cells, the end time and the knots of the curves.
+//! Growth of time and memory with the number of cells, the end time and the number of knots of the curves.
 
 use std::sync::Arc;
 
@@ -14,43 +14,43 @@ use crate::error::Result;
 use crate::material::Curve;
 use crate::scene::Scene;
 
-/// Where the other quantities are kept still.
+/// Resolutions at which the growth with the end time and with the knots is measured.
 const CELLS: usize = 800;
 const TOLERANCE: f64 = 1e-2;
 
-/// Parts of the end time, and knots of the curve.
+/// Fractions of the end time, and numbers of knots of the curve.
 const TIMES: [f64; 4] = [0.125, 0.25, 0.5, 1.0];
 const KNOTS: [usize; 5] = [4, 8, 16, 32, 64];
-/// Passes of each, at least and at most, and for how long (s); the shortest is taken, since growth is of the work and not of
-/// the load.
+/// Fewest and most runs of each variant, and the total time after which no further run is started (s). The shortest time is used, because growth is a
+/// property of the work and not of the load of the machine.
 const LEAST_PASSES: usize = 3;
 const MOST_PASSES: usize = 41;
 const PASSES_FOR: f64 = 0.05;
 
-/// Growth of one method with one quantity.
+/// Growth of time and memory of one method with one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Growth {
     /// "fd" or "moc".
     pub method: String,
     /// "leapfrog", ...
     pub scheme: String,
-    /// "cells", "`front_tolerance`", "`end_time`" or "knots".
+    /// Quantity that varies: "cells", "`front_tolerance`", "`end_time`" or "knots".
     pub with: &'static str,
-    /// What was kept still.
+    /// Quantities that are kept constant.
     pub at: String,
-    /// The quantity (end time in s).
+    /// Values of the quantity (end time in s).
     pub values: Vec<f64>,
     /// Stepping times, s.
     pub step_wall_s: Vec<f64>,
     /// Solver memory, bytes.
     pub memory_bytes: Vec<f64>,
-    /// a of time ~ value^a, least squares on logarithms; null for fewer than two values.
+    /// Exponent a of time ~ value^a by least squares of logarithms; null for fewer than two values.
     pub time_exponent: Option<f64>,
-    /// The same of the memory.
+    /// Exponent of the memory, likewise.
     pub memory_exponent: Option<f64>,
 }
 
-/// A row to be filled.
+/// Creates the growth of a method from runs of (value, stepping time in s, memory in bytes).
 fn row(family: &Family, with: &'static str, at: String, runs: &[(f64, f64, f64)]) -> Growth {
     let fit = |y: &dyn Fn(&(f64, f64, f64)) -> f64| exponent(&runs.iter().map(|r| (r.0, y(r))).collect::<Vec<_>>());
     Growth {
@@ -66,7 +66,8 @@ fn row(family: &Family, with: &'static str, at: String, runs: &[(f64, f64, f64)]
     }
 }
 
-/// With the resolution, from the points of the refinement: the finer half of them, where fixed costs no longer count.
+/// Returns the growth with the resolution, from the finer half of the points of the refinement, in which fixed costs are negligible. `None` for fewer
+/// than two points.
 pub(super) fn with_resolution(family: &Family, points: &[&CostPoint], until: f64) -> Option<Growth> {
     let kept = &points[points.len() / 2..];
     let (with, value): (_, fn(&CostPoint) -> f64) = match family.levels[0] {
@@ -78,7 +79,7 @@ pub(super) fn with_resolution(family: &Family, points: &[&CostPoint], until: f64
     (runs.len() > 1).then(|| row(family, with, format!("until {until:.4e} s"), &runs))
 }
 
-/// With the end time and with the knots, of one method. What the time does not allow is left out.
+/// Measures the growth of one method with the end time and with the knots. Values for which the time is not sufficient are omitted.
 pub(super) fn with_time_and_knots(
     source: &Source<'_>,
     family: &Family,
@@ -132,8 +133,8 @@ fn timed(scene: &Scene, watch: &mut Watch<'_>) -> std::result::Result<(f64, f64)
     Ok((shortest, bytes))
 }
 
-/// The scene with every curve replaced by a parabola of so many knots between its yield point and its largest stress;
-/// none where a curve is a straight line.
+/// Returns the scene with every curve replaced by a parabola with `knots` knots between its yield point and its largest stress, or `None` if a curve
+/// is a straight line.
 fn with_knots(scene: &Scene, knots: usize) -> Option<Scene> {
     let mut scene = scene.clone();
     for segment in &mut scene.parts.bar.segments {
@@ -147,7 +148,7 @@ fn with_knots(scene: &Scene, knots: usize) -> Option<Scene> {
     Some(scene)
 }
 
-/// From the elastic limit on, stress rises like a square root of strain, at first no steeper than the elastic line.
+/// Returns a curve whose stress increases as the square root of the strain beyond the elastic limit, at first at most as steeply as the elastic line.
 fn parabola(curve: &Curve, modulus: f64, knots: usize) -> Option<Curve> {
     let (strain, stress) = curve.elastic_limit(modulus);
     let top = curve.stress().iter().copied().fold(0.0, f64::max);

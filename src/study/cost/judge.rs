@@ -5,22 +5,22 @@ use serde::Serialize;
 use super::candidates::SHOWN_ORDERS;
 use super::{CostPoint, Resolution};
 
-/// Tolerances of the summary of costs.
+/// Tolerances of the cost summary.
 pub const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-/// Points count for an order where their error is at least so many times what the reference is uncertain by.
+/// Smallest ratio of the error of a point to the uncertainty of the reference for which the point is used for an order.
 const CLEAR: f64 = 3.0;
-/// An error that falls by less than this order does not fall.
+/// Smallest order for which an error counts as decreasing.
 const LEAST_ORDER: f64 = 0.01;
-/// Local orders that differ by no more than this from the finest one belong to the asymptotic part.
+/// Largest difference from the finest local order for which a local order belongs to the asymptotic range.
 const ALIKE: f64 = 0.35;
 /// Most points of a fit.
 const MOST_FITTED: usize = 5;
 
-/// How a tolerance is told that the reference cannot decide on.
+/// Value of [`CostToTolerance::how`] if the reference is too uncertain to decide on a tolerance.
 const UNDECIDED: &str = "not decidable";
 
-/// An observed order.
+/// Observed order of convergence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OrderFit {
     /// "fd" or "moc".
@@ -31,43 +31,43 @@ pub struct OrderFit {
     pub order: f64,
     /// "cells" or "`front_tolerance`".
     pub against: &'static str,
-    /// Exponent q of error ~ time^-q over the same points; null where finer points took no longer.
+    /// Exponent q of error ~ time^-q over the same points; null if finer points took no longer.
     pub order_in_time: Option<f64>,
-    /// Resolutions of the points that were fitted.
+    /// Resolutions of the fitted points.
     pub fitted: Vec<f64>,
     /// How the points were chosen.
     pub how: String,
 }
 
-/// How a method gets to a tolerance.
+/// Cost at which a method reaches a tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CostToTolerance {
-    /// The tolerance.
+    /// Tolerance.
     pub tolerance: f64,
-    /// "fd" or "moc"; null where nothing reaches it.
+    /// "fd" or "moc"; null if no method reaches the tolerance.
     pub method: Option<String>,
     /// "leapfrog", ...
     pub scheme: Option<String>,
-    /// Cells: interpolated, or those of the point.
+    /// Cells, interpolated or those of the point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cells: Option<f64>,
-    /// Front tolerance: interpolated, or that of the point.
+    /// Front tolerance, interpolated or that of the point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub front_tolerance: Option<f64>,
     /// Stepping time, s.
     pub step_wall_s: Option<f64>,
-    /// "interpolated" between two points, at the "point" itself where the coarsest one does already, "not reached", or "not decidable":
-    /// the reference is not certain enough to tell.
+    /// "interpolated" between two points; "point" if the coarsest point or an exact one meets the tolerance; "not reached"; or "not decidable" if the
+    /// reference is too uncertain.
     pub how: &'static str,
-    /// The first point of the refinement that meets it: index into the points.
+    /// Index of the first point of the refinement that meets the tolerance.
     pub point: Option<usize>,
     /// Error of that point.
     pub error: Option<f64>,
-    /// Whole time of that point, s.
+    /// Time of the whole run of that point, s.
     pub whole_wall_s: Option<f64>,
 }
 
-/// A measure of fineness that grows: cells, or one over the tolerance.
+/// Returns the fineness of a point: the number of cells, or the reciprocal of the tolerance.
 fn fineness(point: &CostPoint) -> f64 {
     match point.resolution() {
         Resolution::Cells(cells) => cells as f64,
@@ -75,7 +75,7 @@ fn fineness(point: &CostPoint) -> f64 {
     }
 }
 
-/// Exponent a of y ~ x^a by least squares on logarithms; none for fewer than two different x.
+/// Returns the exponent a of y ~ x^a by least squares of logarithms, or `None` for fewer than two different x.
 pub(super) fn exponent(points: &[(f64, f64)]) -> Option<f64> {
     let logs: Vec<(f64, f64)> =
         points.iter().filter(|p| p.0 > 0.0 && p.1 > 0.0).map(|p| (p.0.ln(), p.1.ln())).collect();
@@ -89,8 +89,8 @@ pub(super) fn exponent(points: &[(f64, f64)]) -> Option<f64> {
     (xx > 0.0).then(|| xy / xx)
 }
 
-/// Observed order of one method over the asymptotic part of its points, coarse to fine; none where that is no more than
-/// one point, or where the error does not fall. `uncertainty` is that of the reference.
+/// Returns the observed order of one method over the asymptotic range of its points, coarse to fine, or `None` if that range has fewer than two
+/// points or the error does not decrease. `uncertainty` is that of the reference.
 pub(super) fn order(points: &[&CostPoint], uncertainty: f64) -> Option<OrderFit> {
     let first = points.first()?;
     let clear: Vec<&CostPoint> = points
@@ -127,12 +127,13 @@ pub(super) fn order(points: &[&CostPoint], uncertainty: f64) -> Option<OrderFit>
     })
 }
 
-/// Points of another method that tell that the reference, a run on a grid, is off: over so many the error no longer falls.
+/// Number of finest points of another method over which the error must stop decreasing before it contradicts a reference that is a run on a grid.
 const STALLED: usize = 3;
 
-/// The uncertainty of a reference that is a run of family `own` itself: by its own account and as it was chosen, and now beside the points of all
-/// families. The finest of front tracking, or the nearest of another grid, is a finer witness than that of the choice. Another method that comes to an
-/// end elsewhere contradicts the reference by what is left there.
+/// Returns the uncertainty of a reference that is itself a run of family `own`, given the points of all families. `by_itself` is the estimate from
+/// its own runs, `as_chosen` includes the contradictions by other candidates when it was chosen. The finest point of front tracking, or the nearest
+/// finest point of the other grids if there is none, can reduce the latter, because it is finer than the candidates were. If the error of another
+/// method stops decreasing, its remaining error contradicts the reference.
 pub(super) fn uncertainty(points: &[Vec<CostPoint>], own: usize, [by_itself, as_chosen]: [f64; 2]) -> f64 {
     let others = || points.iter().enumerate().filter(|(family, _)| *family != own).map(|(_, points)| &points[..]);
     let finest = |tracks: bool| {
@@ -145,7 +146,7 @@ pub(super) fn uncertainty(points: &[Vec<CostPoint>], own: usize, [by_itself, as_
     left.max(as_chosen.min(witness))
 }
 
-/// The error at which the points of a method no longer fall.
+/// Returns the error at which the points of a method stop decreasing, or `None` if it still decreases.
 fn left_over(points: &[CostPoint]) -> Option<f64> {
     let finest = &points[points.len().checked_sub(STALLED)?..];
     let falls = |pair: &[CostPoint]| {
@@ -155,8 +156,8 @@ fn left_over(points: &[CostPoint]) -> Option<f64> {
     (!finest.windows(2).any(falls)).then(|| finest.last().map_or(0.0, |point| point.error))
 }
 
-/// Which points no other one beats in both stepping time and error. Errors count as no smaller than the reference's
-/// `uncertainty`; of points alike in both the first is taken.
+/// Returns for each point whether no other point is both faster and more accurate. Errors below the `uncertainty` of the reference count as equal to
+/// it. Of points that are equal in both, the first counts.
 pub(super) fn pareto(points: &[CostPoint], uncertainty: f64) -> Vec<bool> {
     let bound = |p: &CostPoint| p.error.max(uncertainty);
     let beats = |(i, a): (usize, &CostPoint), (j, b): (usize, &CostPoint)| {
@@ -168,13 +169,13 @@ pub(super) fn pareto(points: &[CostPoint], uncertainty: f64) -> Vec<bool> {
     all().map(|b| !all().any(|a| beats(a, b))).collect()
 }
 
-/// When one method reaches a tolerance. `points` are its own, coarse to fine, with their indices; errors count as no
-/// larger by the reference's `uncertainty`: it may be off to the same side.
+/// Returns the cost at which one method reaches a tolerance. `points` are its points, coarse to fine, with their indices. The `uncertainty` of the
+/// reference is added to each error, because the reference may deviate in the same direction.
 pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty: f64) -> CostToTolerance {
     let bound = |p: &CostPoint| p.error + uncertainty;
     let names = points.first().map(|(_, p)| (p.by.method.clone(), p.by.scheme.clone()));
     let (method, scheme) = names.unzip();
-    // From here on every finer point holds it: one that meets it by chance does not count.
+    // All finer points must meet the tolerance, too: a point that meets it by chance does not count.
     let Some(k) = (0..points.len()).find(|&k| points[k..].iter().all(|(_, p)| bound(p) <= tolerance)) else {
         let undecided = points.last().is_some_and(|(_, p)| p.error - uncertainty <= tolerance);
         return CostToTolerance {
@@ -192,7 +193,7 @@ pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty:
     };
     let (index, found) = points[k];
     let before = k.checked_sub(1).map(|k| points[k].1);
-    // Where on the way from the point before, on logarithms; an exact point is taken as it is.
+    // Fraction of the logarithmic distance from the previous point. The cost of an exact point is not interpolated.
     let part = before
         .filter(|_| bound(found) > 0.0 && found.exact != Some(true))
         .map(|b| ((bound(b) / tolerance).ln() / (bound(b) / bound(found)).ln()).clamp(0.0, 1.0));
@@ -218,7 +219,7 @@ pub(super) fn reach(points: &[(usize, &CostPoint)], tolerance: f64, uncertainty:
     }
 }
 
-/// The cheapest of all methods for a tolerance.
+/// Returns the cheapest of all methods for a tolerance.
 pub(super) fn cheapest(all: &[CostToTolerance], tolerance: f64) -> CostToTolerance {
     let reached = all.iter().filter(|r| r.tolerance == tolerance && r.step_wall_s.is_some());
     let time = |r: &CostToTolerance| r.step_wall_s.unwrap_or(f64::INFINITY);
@@ -258,7 +259,7 @@ mod tests {
     #[test]
     fn points_near_the_reference_s_own_error_are_left_out_of_the_order() {
         let mut points = refinement(1.0);
-        // What the reference is off by hides the finest error.
+        // The error of the finest point is masked by that of the reference.
         points[5].error = 0.0061;
         let all: Vec<_> = points.iter().collect();
         let fit = order(&all, 0.004).expect("there are points");
@@ -290,7 +291,7 @@ mod tests {
         assert_eq!(against(&[4e-4, 1e-4, 5e-5, 4.9e-5, 4.8e-5]), 4.8e-5);
         assert_eq!(against(&[4e-4, 2e-4, 1e-4]), 1e-7);
         assert_eq!(against(&[1e-4, 1e-4]), 1e-7);
-        // What contradicted it as it was chosen counts as far as no finer run has come nearer.
+        // A contradiction from the choice of the reference counts only as far as no finer run is closer to the reference.
         let chosen = |errors: &[f64]| uncertainty(&[own.clone(), of(errors)], 0, [1e-7, 1e-2]);
         assert_eq!(chosen(&[4e-3, 2e-4]), 2e-4);
         assert_eq!(chosen(&[4e-2]), 1e-2);
@@ -310,7 +311,7 @@ mod tests {
         let points =
             [point(1, 0.1, 1.0), point(2, 0.05, 2.0), point(3, 0.2, 1.5), point(4, 0.01, 2.0), point(5, 0.01, 2.0)];
         assert_eq!(pareto(&points, 0.0), [true, false, false, true, false]);
-        // Where the reference is uncertain by 0.07, going below that is no gain.
+        // With an uncertainty of 0.07 of the reference, smaller errors are no improvement.
         assert_eq!(pareto(&points, 0.07), [true, true, false, false, false]);
     }
 
@@ -325,7 +326,7 @@ mod tests {
         assert_eq!(reach(&all, 0.3, 0.0).how, "point");
         assert_eq!(reach(&all, 0.3, 0.0).step_wall_s, Some(1.0));
         assert_eq!(reach(&all, 0.01, 0.0).how, "not reached");
-        // Neither below the reference's uncertainty nor just above it is anything known to be reached.
+        // A tolerance below or just above the uncertainty of the reference is not decidable.
         assert_eq!(reach(&all, 0.03, 0.04).how, "not decidable");
         assert_eq!(reach(&all, 0.03, 0.01).how, "not decidable");
         assert_eq!(reach(&all, 0.01, 0.01).how, "not reached");

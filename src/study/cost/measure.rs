@@ -1,4 +1,4 @@
-//! One solution of the scene without recording: its result and the time of its steps.
+//! One solution of the scene without recording: its response and its stepping time.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -12,16 +12,16 @@ use crate::snapshot::Snapshot;
 use crate::solver::moc::Settings;
 use crate::solver::net;
 
-/// Work between two looks at the clock: some milliseconds.
+/// Work between two readings of the clock, corresponding to some milliseconds.
 const CELL_STEPS: u64 = 4_000_000;
 const EVENTS: u64 = 5_000;
 
-/// A run that takes longer than this is timed once, s; shorter ones are repeated for about `REPEAT_FOR`.
+/// Runs longer than `LONG` (s) are timed once; shorter runs are repeated for about `REPEAT_FOR` (s), at most `MOST_REPEATS` times.
 const LONG: f64 = 1.0;
 const REPEAT_FOR: f64 = 0.15;
 const MOST_REPEATS: f64 = 41.0;
 
-/// The study's clock, its deadline, and the progress callback, which can stop it.
+/// Clock of the study, its deadline, and the progress callback, which can stop it.
 pub(super) struct Watch<'a> {
     pub started: Instant,
     /// Time at which the current part of the study has to end, s.
@@ -33,12 +33,12 @@ pub(super) struct Watch<'a> {
 }
 
 impl Watch<'_> {
-    /// Time since the study started, s.
+    /// Returns the time since the study started, s.
     pub fn now(&self) -> f64 {
         self.started.elapsed().as_secs_f64()
     }
 
-    /// Reports progress; an error if the current run has to end.
+    /// Reports progress. Returns an error if the current run has to end.
     pub fn look(&mut self) -> Result<(), Halt> {
         let now = self.now();
         if (self.progress)(&self.what, now).is_break() {
@@ -48,22 +48,22 @@ impl Watch<'_> {
     }
 }
 
-/// What one run gave.
+/// Result of one run.
 #[derive(Debug)]
 pub(super) struct Pass {
     /// Stepping time, s.
     pub seconds: f64,
-    /// The response of the bar, with fields at the instants asked for, as far as steps come near them; empty where none were.
+    /// Response of the bar, with fields at those of the requested instants that are close to a step; empty if no instants were requested.
     pub response: Response,
-    /// Cells; 0 where there are none.
+    /// Number of cells; 0 without a grid.
     pub cells: usize,
-    /// Cell-steps or events.
+    /// Number of cell-steps or events.
     pub work: u64,
-    /// Where fronts are tracked.
+    /// Further results of front tracking.
     pub tracked: Option<Tracked>,
 }
 
-/// What a run by front tracking left.
+/// Results of a run by front tracking.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tracked {
     /// See [`crate::solver::moc::FrontTracking::is_exact`].
@@ -72,26 +72,26 @@ pub(super) struct Tracked {
     pub pieces: usize,
 }
 
-/// What is wanted of a run.
+/// Quantities that a run has to provide.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted<'a> {
-    /// The response with fields at these instants, s, increasing; none: the stepping time alone.
+    /// Instants of the fields of the response, s, increasing; if empty, only the stepping time is determined.
     pub instants: &'a [f64],
-    /// Settings of front tracking other than those that the scene's method says.
+    /// Settings of front tracking that replace those of the scene's method.
     pub settings: Option<Settings>,
 }
 
 impl<'a> Wanted<'a> {
-    /// The stepping time alone.
+    /// Only the stepping time.
     pub const TIME: Self = Self { instants: &[], settings: None };
 
-    /// What a point of the study is judged by.
+    /// Requests the response by which a point of the study is judged.
     pub fn response(instants: &'a [f64]) -> Self {
         Self { instants, settings: None }
     }
 }
 
-/// Time step of a scene's grid, s; none without a grid.
+/// Returns the time step of a scene's grid, s, or `None` without a grid.
 pub(super) fn time_step(scene: &Scene) -> Option<f64> {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
@@ -102,14 +102,14 @@ pub(super) fn time_step(scene: &Scene) -> Option<f64> {
     }
 }
 
-/// Runs the scene's bar once.
+/// Runs the bar of the scene once.
 pub(super) fn pass(scene: &Scene, wanted: Wanted<'_>, watch: &mut Watch<'_>) -> Result<Pass, Halt> {
     let cut = scene.in_pieces();
     let scene = cut.as_ref().unwrap_or(scene);
     assemble::solve(scene, Task { scene, wanted, watch })
 }
 
-/// Stepping times of a scene's bar: the median, and the distance between the quartiles over the median.
+/// Stepping times of repeated runs, s: the median, the shortest, and the interquartile range relative to the median.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Timing {
     pub median: f64,
@@ -118,7 +118,7 @@ pub(super) struct Timing {
     pub repetitions: usize,
 }
 
-/// Repeats a run whose first pass took `first`, s.
+/// Times a run by repetition. `first` is the stepping time of its first pass, s; long runs are not repeated.
 pub(super) fn repeated(scene: &Scene, first: f64, watch: &mut Watch<'_>) -> Result<Timing, Halt> {
     if first >= LONG {
         return Ok(Timing { median: first, shortest: first, spread: 0.0, repetitions: 1 });
@@ -130,18 +130,18 @@ pub(super) fn repeated(scene: &Scene, first: f64, watch: &mut Watch<'_>) -> Resu
     Ok(timing(times))
 }
 
-/// Repetitions of a run that takes so long, beside its first pass: an odd number, so that the median is one of them.
+/// Returns the number of repetitions after the first pass of a run of this length (s). The number is odd, so that the median is one of the times.
 fn repeats(seconds: f64) -> usize {
     let count = (REPEAT_FOR / seconds).clamp(3.0, MOST_REPEATS) as usize;
     count | 1
 }
 
-/// All passes of a run that takes so long.
+/// Returns the total number of passes of a run of this length (s).
 pub(super) fn passes(seconds: f64) -> f64 {
     if seconds >= LONG { 1.0 } else { 1.0 + repeats(seconds) as f64 }
 }
 
-/// Median and relative distance of the quartiles.
+/// Returns the statistics of stepping times.
 pub(super) fn timing(mut times: Vec<f64>) -> Timing {
     times.sort_by(f64::total_cmp);
     let at = |part: f64| {
@@ -155,7 +155,7 @@ pub(super) fn timing(mut times: Vec<f64>) -> Timing {
     Timing { median, shortest: times[0], spread, repetitions: times.len() }
 }
 
-/// A bar that is run once.
+/// A single run of a bar.
 struct Task<'a, 'w> {
     scene: &'a Scene,
     wanted: Wanted<'a>,
@@ -174,7 +174,7 @@ impl assemble::Task for Task<'_, '_> {
         Ok(Pass { seconds, response, cells, work: (cells * bar.step()) as u64, tracked: None })
     }
 
-    /// That the bar is laid out, with its first Riemann problems, is part of the time.
+    /// The time includes the construction of the bar with its first Riemann problems.
     fn by_fronts(self, settings: Settings) -> Result<Pass, Halt> {
         let read = !self.scene.record.gauges.is_empty() || !self.scene.joints().is_empty();
         let listens = read && !self.wanted.instants.is_empty();
@@ -189,7 +189,7 @@ impl assemble::Task for Task<'_, '_> {
 }
 
 impl Task<'_, '_> {
-    /// The response of a bar, and the time spent in the solver, s.
+    /// Returns the response of a bar and the time spent in the solver, s.
     fn respond<S: Respond>(self, bar: &mut S, work: u64) -> Result<(Response, f64), Halt> {
         let Self { scene, wanted, watch } = self;
         let (gauges, joints) = (scene.record.gauge_places(), scene.joints());

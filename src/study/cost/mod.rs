@@ -1,4 +1,4 @@
-//! Cost of accuracy: the scene by every method that supports it, at increasing resolution.
+//! Cost of accuracy: the scene is solved by every method that supports it, at increasing resolution.
 
 mod bench;
 mod candidates;
@@ -35,64 +35,65 @@ use crate::run::check_start;
 use crate::scene::{Method, Scene};
 use crate::units::Dimension;
 
-/// Parts of the budget by which the stages of the study have to be done; what one leaves goes to the next.
+/// Fractions of the budget by which the stages of the study have to be finished. Unused time is available to the next stage.
 const REFERENCE_BY: f64 = 0.4;
 const LADDERS_BY: f64 = 0.8;
 const EFFECTS_BY: f64 = 0.9;
 
-/// Rungs of a grid whose own instants a tracked reference keeps: those of finer ones are as good as those asked for.
+/// Number of coarsest levels of each grid whose time steps are added to the instants of a tracked reference. The steps of finer grids are close
+/// enough to the requested instants.
 const RUNGS_WITH_INSTANTS: usize = 8;
-/// Cells of the grid at whose steps all are compared.
+/// Cells of the grid whose steps are the common instants of the comparison.
 const COMMON_CELLS: f64 = 100.0;
 
-/// What is compared, and when.
+/// Measure and instants of the comparison.
 struct Instants {
     measure: Measure,
-    /// Output times, s, increasing.
+    /// Instants at which all runs are compared, s, increasing.
     common: Vec<f64>,
-    /// The steps next to them of every grid, s, increasing.
+    /// Common instants, and the steps of every grid that are nearest to them, s, increasing.
     own: Vec<f64>,
 }
 
-/// A whole run from the start of its process to its end.
+/// Outcome of a whole run, from the start of its process to its end.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Whole {
-    /// It took so long, s.
+    /// Duration of the completed run, s.
     Took(f64),
     /// The user interrupted.
     Interrupted,
-    /// It exceeded the time limit, or was predicted to.
+    /// The run exceeded the time limit, or was predicted to.
     OutOfTime,
-    /// It failed.
+    /// The run failed, for this reason.
     Failed(String),
 }
 
 /// Runs a scene with overrides in a separate process, with a time limit, s.
 pub type WholeRun<'a> = &'a mut dyn FnMut(&[String], f64) -> Whole;
 
-/// What the caller of a study provides.
+/// Settings and callbacks that the caller of a study provides.
 pub struct Hooks<'a> {
     /// Time budget of the study, s, > 0.
     pub budget: f64,
     /// Quantity whose error is measured.
     pub measure: Measure,
-    /// Runs the scene with these overrides in a separate process, with this time limit, s; none: whole runs are not timed.
+    /// Runs the scene with these overrides in a separate process, with this time limit, s. If `None`, whole runs are not timed.
     pub whole: Option<WholeRun<'a>>,
     /// Called with the current activity and the elapsed time, s; `Break` stops the study.
     pub progress: &'a mut dyn FnMut(&str, f64) -> ControlFlow<()>,
 }
 
-/// The time budget of a study, s.
+/// Checks the time budget of a study, s.
 pub(crate) fn check_budget(budget: f64) -> Checked {
     positive([("budget", budget, Dimension::Time)])
 }
 
-/// Studies a scene that was read from text.
+/// Studies the cost of accuracy of a scene that was read from text.
 ///
 /// # Errors
-/// An input error where the budget is not positive, no method can do the scene or no error can be measured; the error of a scene
-/// whose runs stop at t = 0; the error of a reference that cannot be run
-/// at all; [`Error::Interrupted`] where the user stopped it before there was anything to show.
+/// An input error if the budget is not positive, the effects are selected automatically, no method supports the scene or no error can be measured;
+/// the error of a scene whose runs stop at t = 0; the error of a reference that cannot be run; [`Error::Interrupted`] if the user stopped the study
+/// before it had a result.
 pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     let started = Instant::now();
     check_budget(hooks.budget)?;
@@ -182,15 +183,15 @@ pub fn cost(scene: &Scene, hooks: &mut Hooks<'_>) -> Result<Cost> {
     Ok(cost)
 }
 
-/// Where the reference is a run of a scheme itself, that scheme is judged at a quarter of its cells or fewer: both are off to the
-/// same side, and at half the cells little more than half of the error would be seen.
+/// Returns the levels at which a family is studied. If the reference is a run of the same scheme, the scheme is only studied with at most a quarter
+/// of its cells: the errors of both have the same sign, so at half the cells little more than half of the error would be visible.
 fn below_reference<'a>(reference: &Reference, family: usize, levels: &'a [Resolution]) -> &'a [Resolution] {
     let Some((own, most)) = reference.grid else { return levels };
     let coarser = |r: &Resolution| own != family || matches!(r, Resolution::Cells(cells) if 4 * cells <= most);
     &levels[..levels.iter().take_while(|r| coarser(r)).count()]
 }
 
-/// Instants at which runs are compared: steps of a coarse grid, which finer ones take too or come near to.
+/// Returns the instants at which runs are compared: steps of a coarse grid, which finer grids share or approximate closely.
 fn instants(scene: &Scene, source: &Source<'_>, families: &[Family], measure: Measure) -> Result<Instants> {
     let cfl = if let Method::Leapfrog { cfl, .. } | Method::Muscl { cfl, .. } = scene.solve.method { cfl } else { 1.0 };
     let step = (cfl * scene.bar.transit_time() / COMMON_CELLS).min(scene.solve.until);
@@ -232,7 +233,7 @@ fn resolution_growth(families: &[Family], points: &[Vec<CostPoint>], scene: &Sce
     rows.collect()
 }
 
-/// Load of the machine: mean number of processes that wanted to run over the last minute.
+/// Returns the load of the machine: the mean number of runnable processes over the last minute.
 fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }

@@ -8,7 +8,7 @@ use crate::record::{ErrorTable, SolvedBy};
 /// One method at one resolution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CostPoint {
-    /// By what.
+    /// Method and resolution.
     #[serde(flatten)]
     pub by: SolvedBy,
     /// Error in the measure of the study.
@@ -19,41 +19,41 @@ pub struct CostPoint {
     pub step_wall_s: f64,
     /// Shortest stepping time, s: least affected by other load of the machine.
     pub shortest_s: f64,
-    /// Distance of the quartiles of the stepping times over their median; 0 for a single run.
+    /// Interquartile range of the stepping times relative to their median; 0 for a single run.
     pub spread: f64,
-    /// Runs that were timed.
+    /// Number of timed runs.
     pub repetitions: usize,
-    /// Time of the whole process, from its start to the finished result file, s; null where it was not measured.
+    /// Time of the whole process, from its start to the finished result file, s; null if it was not measured.
     pub whole_wall_s: Option<f64>,
-    /// Cell-steps or events.
+    /// Number of cell-steps or events.
     pub work: u64,
     /// "cell-steps" or "events".
     pub work_unit: &'static str,
     /// Solver memory, bytes.
     pub memory_bytes: u64,
-    /// No point is both faster and more accurate.
+    /// Whether no other point is both faster and more accurate.
     pub pareto: bool,
-    /// The error is below the uncertainty of the reference.
+    /// Whether the error is below the uncertainty of the reference.
     pub below_reference: bool,
-    /// Front tracking only: no wave was merged, so that the result is exact for the table.
+    /// For front tracking: whether no wave was merged, so that the result is exact for the table.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exact: Option<bool>,
 }
 
-/// A point that was not run, or came to no end.
+/// A point that was not run or did not finish.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Skipped {
-    /// By what.
+    /// Method and resolution.
     #[serde(flatten)]
     pub by: SolvedBy,
     /// Expected time with all repetitions, s.
     pub expected_s: Option<f64>,
-    /// Why.
+    /// Reason why the point was skipped.
     pub why: String,
 }
 
 impl CostPoint {
-    /// Its resolution.
+    /// Returns the resolution of the point.
     pub fn resolution(&self) -> Resolution {
         match (self.by.front_tolerance, self.by.cells) {
             (Some(tolerance), _) => Resolution::FrontTolerance(tolerance),
@@ -61,7 +61,7 @@ impl CostPoint {
         }
     }
 
-    /// A point with nothing but its resolution, error and stepping time.
+    /// Creates a point with only its resolution, error and stepping time.
     #[cfg(test)]
     pub(crate) fn plain(method: &str, resolution: Resolution, error: f64, step_wall_s: f64) -> Self {
         let scheme = if matches!(resolution, Resolution::Cells(_)) { "leapfrog" } else { "front-tracking" };

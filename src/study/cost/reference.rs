@@ -1,4 +1,4 @@
-//! The reference solution of errors and its uncertainty.
+//! The reference solution for errors, and its uncertainty.
 
 use super::candidates::{self, Candidate, ROUNDING, Run};
 use super::measure::{Pass, Watch};
@@ -11,27 +11,27 @@ use crate::error::Result;
 use crate::record::{self, ErrorTable};
 use crate::scene::{Effects, Scene};
 
-/// The reference.
+/// Reference solution of a study.
 pub(super) struct Reference {
-    /// In words.
+    /// Description in words.
     pub name: String,
-    /// What the difference of the two finest runs leaves, or rounding; in the measure of the study.
+    /// Uncertainty estimated from the two or three finest runs of the reference, at least rounding, in the measure of the study.
     pub own: f64,
-    /// The same, or what another method contradicts it by as it was chosen.
+    /// Uncertainty when the reference was chosen: `own`, or the difference from another method that contradicts it.
     pub uncertainty: f64,
-    /// Where a run of the scheme itself is the reference: the family and its cells.
+    /// Index of the family and its number of cells, if the reference is a run on a grid.
     pub grid: Option<(usize, usize)>,
     kind: Kind,
 }
 
 enum Kind {
     Similar(Box<Scene>, Box<InitialFan>),
-    /// With a field at every instant at which a run may be compared.
+    /// Response with a field at every instant at which a run may be compared.
     Run(Box<Response>),
 }
 
 impl Reference {
-    /// Errors of a run.
+    /// Returns the errors of a run.
     pub fn errors(&self, pass: &Pass) -> ErrorTable {
         match &self.kind {
             Kind::Similar(scene, initial_fan) => {
@@ -42,15 +42,14 @@ impl Reference {
         }
     }
 
-    /// Its uncertainty once the points of all families are known.
+    /// Returns the uncertainty given the points of all families.
     pub fn uncertainty_beside(&self, points: &[Vec<CostPoint>]) -> f64 {
         let of_grid = |(family, _)| judge::uncertainty(points, family, [self.own, self.uncertainty]);
         self.grid.map_or(self.uncertainty, of_grid)
     }
 }
 
-/// Finds the reference within the watch's time: the self-similar solution, front tracking that keeps every wave, or the surer
-/// of the candidates.
+/// Finds the reference within the time of `watch`: the self-similar solution, front tracking that keeps every wave, or the least uncertain candidate.
 pub(super) fn find(
     scene: &Scene,
     source: &Source<'_>,
@@ -62,7 +61,7 @@ pub(super) fn find(
         return Ok(Ok(reference));
     }
     let mut candidates = Vec::new();
-    // A taper's staircase is no exact bar, however well its waves are kept.
+    // Front tracking approximates a taper by a staircase, so it is not exact even if every wave is kept.
     let tracking = families.iter().find(|f| matches!(f.levels[0], Resolution::FrontTolerance(_)) && !tapers(scene));
     if let Some(family) = tracking {
         let scene = source.at(family.choice, Resolution::FrontTolerance(0.0))?;
@@ -75,7 +74,7 @@ pub(super) fn find(
             Err(halt) => return Ok(Err(halt)),
         }
     }
-    // Two methods at least, of which one can be off where the other is not.
+    // At least two methods are compared, since one of them may converge to a wrong solution.
     let grids = grid_families(scene, families).take(if candidates.is_empty() { 2 } else { 1 });
     candidates.extend(grids.map(|(index, family)| Candidate::of_grid(index, family, instants.measure)));
     if let Some(halt) = candidates::race(&mut candidates, source, instants, watch)? {
@@ -86,7 +85,7 @@ pub(super) fn find(
     Ok(best.ok_or(Halt::OutOfTime))
 }
 
-/// The finest run of a candidate.
+/// Creates the reference from the finest run of a candidate, or returns `None` if the candidate has no uncertainty or no run.
 fn of_rival(mut candidate: Candidate<'_>, uncertainty: f64) -> Option<Reference> {
     let [own, uncertainty] = [candidate.uncertainty()?, uncertainty].map(|uncertainty| uncertainty.max(ROUNDING));
     let Run { fineness, pass } = candidate.runs.pop()?;
@@ -104,7 +103,7 @@ fn of_rival(mut candidate: Candidate<'_>, uncertainty: f64) -> Option<Reference>
     Some(Reference { uncertainty, ..reference })
 }
 
-/// Grids, the one that is preferred first: the net, then leapfrog, then what there is.
+/// Returns the grids in order of preference: the characteristic net (last for tapered bars), leapfrog, then the others.
 fn grid_families<'a>(scene: &Scene, families: &'a [Family]) -> impl Iterator<Item = (usize, &'a Family)> {
     let rank = |family: &Family| match family.names[1] {
         "characteristic-net" if tapers(scene) => 3,
@@ -118,15 +117,15 @@ fn grid_families<'a>(scene: &Scene, families: &'a [Family]) -> impl Iterator<Ite
     grids.into_iter()
 }
 
-/// The section changes along the bar: methods by characteristics make a staircase of it.
+/// Returns whether the section varies along the bar. Methods of characteristics then approximate it by a staircase.
 fn tapers(scene: &Scene) -> bool {
     scene.bar.segments.iter().any(|segment| segment.taper.is_some())
 }
 
-/// The self-similar solution, where the scene has one up to the last of the instants.
+/// Returns the self-similar solution, if it is valid up to the last of the instants.
 fn similar(scene: &Scene, instants: &Instants) -> Option<Reference> {
     let last = instants.own.iter().copied().fold(scene.solve.until, f64::max);
-    // It knows unloading, which it does not need, and nothing else.
+    // The solution has no unloading, so hardening does not matter; it includes no other effect.
     let known = Effects { hardening: scene.effects.hardening, ..Effects::default() };
     if scene.effects != known {
         return None;

@@ -1,71 +1,71 @@
-//! Order of the points of a study: the next point is always the one with the shortest expected time, as long as it fits into the
-//! remaining budget.
+//! Order of the points of a study: the next point is always the one with the shortest expected time, as long as it fits into the remaining budget.
 
 use super::Resolution;
 
-/// Error bound from which on a method need not be refined: below the finest tolerance that is asked after.
+/// Error bound below which a method is not refined further: below the finest tolerance that is evaluated.
 const FINE_ENOUGH: f64 = 3e-5;
 
-/// Rungs that every grid gets all the same, so that a line can be drawn and growth be seen.
+/// Fewest levels of every grid, so that an order and the growth can be fitted.
 const LEAST_CELL_RUNGS: usize = 4;
 
-/// Expected growth of the stepping time from one level to the next: cells and steps double; for fronts a guess, until two
-/// levels tell.
+/// Expected growth of the stepping time from one level to the next. On a grid, cells and steps double. The value for fronts is a guess until two
+/// levels are known.
 const CELLS_GROWTH: f64 = 4.0;
 const FRONTS_GROWTH: f64 = 3.0;
-/// Fronts can grow faster than any two levels tell, but guesses above this would stop a refinement for a hiccup of the clock.
+/// Largest expected growth. Fronts can grow faster than the last two levels show, but a larger estimate would end a refinement after a single
+/// disturbance of the clock.
 const MOST_GROWTH: f64 = 10.0;
-/// All else grows with the output: with the cells.
+/// Growth of all other time from one level to the next: it is proportional to the output, and thus to the cells.
 const OTHER_GROWTH: f64 = 2.0;
 
-/// What a point took of the study's time.
+/// Time that a point took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spent {
-    /// One run's stepping, s.
+    /// Stepping time of one run, s.
     pub step: f64,
-    /// Runs that were stepped.
+    /// Number of runs.
     pub passes: f64,
-    /// All of it, s.
+    /// Total time, s.
     pub total: f64,
 }
 
-/// The result of a completed point for the refinement.
+/// Result of a completed point, as needed for the refinement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ran {
     pub spent: Spent,
-    /// Error, at least what the reference is uncertain by.
+    /// Error, at least the uncertainty of the reference.
     pub bound: f64,
-    /// No finer level gives another result.
+    /// Whether finer levels would give the same result.
     pub exact: bool,
-    /// The error is below what the reference is uncertain by.
+    /// Whether the error is below the uncertainty of the reference.
     pub below_reference: bool,
 }
 
-/// Why a point has no result.
+/// Reason why a point has no result.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Halt {
     /// The user interrupted.
     Interrupted,
-    /// The time was over while it ran.
+    /// The time ran out during the run.
     OutOfTime,
     /// The run stopped with an error.
     Failed(String),
 }
 
-/// Two digits, of short times too.
+/// Formats a time: two significant digits below 0.1 s, two decimals above.
 fn seconds(time: f64) -> String {
     if time < 0.1 { format!("{time:.1e} s") } else { format!("{time:.2} s") }
 }
 
-/// What runs the points: the real one, or a fake one with a clock of its own.
+/// Runs the points of a study. Tests use an implementation with a simulated clock.
 pub(super) trait Runner {
     /// Runs one point of a family.
     fn run(&mut self, family: usize, resolution: Resolution) -> Result<Ran, Halt>;
-    /// Time of the study, s.
+    /// Returns the time since the start of the study, s.
     fn now(&self) -> f64;
 }
 
-/// A level that was left out.
+/// A level that was skipped.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Left {
     pub family: usize,
@@ -75,15 +75,15 @@ pub(super) struct Left {
     pub why: String,
 }
 
-/// One family on its way up.
+/// Progress of the refinement of one family.
 struct Refinement<'a> {
     levels: &'a [Resolution],
     ran: Vec<Ran>,
     done: bool,
 }
 
-/// Expected time of the next level, all repetitions and the whole run included, s; `passes` tells how many runs are stepped
-/// of one that takes so long.
+/// Returns the expected time of the next level, s, including all repetitions and the whole run. `passes` returns the number of runs for a given
+/// stepping time (s).
 fn expected(ran: &[Ran], next: Resolution, passes: &dyn Fn(f64) -> f64) -> f64 {
     let Some(last) = ran.last().map(|r| r.spent) else { return 0.0 };
     let seen = ran.len().checked_sub(2).map(|k| last.step / ran[k].spent.step.max(f64::MIN_POSITIVE));
@@ -96,7 +96,7 @@ fn expected(ran: &[Ran], next: Resolution, passes: &dyn Fn(f64) -> f64) -> f64 {
     passes(step) * step + OTHER_GROWTH * other
 }
 
-/// Runs the ladders up to time `until`, s. The flag tells that the user stopped it.
+/// Refines the families until time `until`, s. Returns the skipped levels, and whether the user stopped the study.
 pub(super) fn refine(
     levels: &[&[Resolution]],
     until: f64,
@@ -143,7 +143,7 @@ pub(super) fn refine(
     }
 }
 
-/// A finer level would tell nothing more.
+/// Returns whether finer levels would give no further information.
 fn enough(ran: &[Ran], resolution: Resolution) -> bool {
     let Some(last) = ran.last() else { return false };
     let seen = match resolution {

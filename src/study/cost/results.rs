@@ -8,50 +8,50 @@ use super::judge::{self, CostToTolerance, OrderFit, TOLERANCES};
 use super::points::{CostPoint, Skipped};
 use super::source::Unable;
 
-/// The study of a scene. Keys are those of `barwave cost --json`.
+/// Results of the study of a scene. Keys are those of `barwave cost --json`.
 #[derive(Debug, Clone, Serialize)]
 pub struct Cost {
     /// Scene title.
     pub scene: String,
-    /// What errors are measured against.
+    /// Reference against which errors are measured.
     pub reference: String,
-    /// What the difference of the two finest references leaves in the same measure, or another method contradicts it by, or
-    /// rounding where the reference is exact.
+    /// Uncertainty of the reference in the same measure: from its finest runs, from the contradiction by another method, or rounding if the reference
+    /// is exact.
     pub reference_uncertainty: f64,
-    /// What `error` is.
+    /// Definition of `error`.
     pub measure: &'static str,
-    /// One a method and resolution, method by method, coarse to fine.
+    /// One point per method and resolution, ordered by method, coarse to fine.
     pub points: Vec<CostPoint>,
-    /// Observed order of each scheme, null where there is none.
+    /// Observed order of each scheme, null if there is none.
     pub orders: serde_json::Map<String, serde_json::Value>,
-    /// How these were found.
+    /// Fits of these orders.
     pub order_fits: Vec<OrderFit>,
-    /// The cheapest method for each tolerance.
+    /// Cheapest method for each tolerance.
     pub cheapest: Vec<CostToTolerance>,
     /// Cost of each method for each tolerance.
     pub reach: Vec<CostToTolerance>,
     /// Additional cost of each effect.
     pub effects: Vec<EffectCost>,
-    /// How time and memory grow.
+    /// Growth of time and memory.
     pub growth: Vec<Growth>,
     /// Skipped points, and the reasons.
     pub skipped: Vec<Skipped>,
     /// Methods that do not support the scene, and the reasons.
     pub unable: Vec<Unable>,
-    /// Time that the study was given, s.
+    /// Time budget of the study, s.
     pub budget_s: f64,
-    /// Time that it took, s.
+    /// Duration of the study, s.
     pub wall_s: f64,
-    /// Load of the machine (processes that want to run, mean of a minute) before and after; null where unknown.
+    /// Load of the machine (mean number of runnable processes over a minute) before and after the study; null if unknown.
     pub load: [Option<f64>; 2],
-    /// Threads that a long bar may take.
+    /// Number of threads available to a long bar.
     pub threads: usize,
-    /// The user stopped it.
+    /// Whether the user stopped the study.
     pub interrupted: bool,
 }
 
 impl Cost {
-    /// Schemes in the order of the points, each with its points and their indices.
+    /// Returns the schemes in the order of the points, each with its points and their indices.
     pub fn schemes(&self) -> Vec<(&str, Vec<(usize, &CostPoint)>)> {
         let mut schemes: Vec<(&str, Vec<(usize, &CostPoint)>)> = Vec::new();
         for (k, point) in self.points.iter().enumerate() {
@@ -63,7 +63,7 @@ impl Cost {
         schemes
     }
 
-    /// What follows from the points.
+    /// Evaluates the points: Pareto front, orders, and the cost of each tolerance.
     pub(super) fn judge(&mut self) {
         let uncertainty = self.reference_uncertainty;
         let pareto = judge::pareto(&self.points, uncertainty);

@@ -1,4 +1,4 @@
-//! The scene with other methods: its own text, read again with another `[solve]`, so that all checks apply.
+//! The scene solved by other methods: its text is read again with another `[solve]` table, so that all checks apply.
 
 use std::path::{Path, PathBuf};
 
@@ -8,18 +8,18 @@ use crate::error::{Error, InputError, Result};
 use crate::record::SolvedBy;
 use crate::scene::{Method, MethodChoice, Scene};
 
-/// A method that cannot do the scene.
+/// A method that does not support the scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Unable {
     /// "fd" or "moc".
     pub method: String,
-    /// The scheme, where the method has several.
+    /// Scheme, if the method has several.
     pub scheme: Option<String>,
-    /// Why.
+    /// Reason why the method does not support the scene.
     pub why: String,
 }
 
-/// How finely a method works.
+/// Resolution of a method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resolution {
     /// Requested number of cells of the bar.
@@ -29,7 +29,7 @@ pub enum Resolution {
 }
 
 impl Resolution {
-    /// This resolution with a method and scheme.
+    /// Returns this resolution together with a method and scheme.
     pub(super) fn solved_by(self, [method, scheme]: [&str; 2]) -> SolvedBy {
         let (cells, front_tolerance) = match self {
             Self::Cells(cells) => (Some(cells), None),
@@ -39,28 +39,28 @@ impl Resolution {
     }
 }
 
-/// One way to solve the scene, with all its resolutions from the coarsest on.
+/// A method with a scheme, and all its resolutions, coarse to fine.
 #[derive(Debug, Clone)]
 pub(super) struct Family {
     pub choice: MethodChoice,
-    /// The scene language's words for it.
+    /// Method and scheme as in the scene file.
     pub names: [&'static str; 2],
     pub levels: Vec<Resolution>,
 }
 
-/// Cells of the coarsest grid, and how often they are doubled at most.
+/// Cells of the coarsest grid, and number of levels, each with twice the cells of the previous one.
 const FIRST_CELLS: usize = 100;
 const DOUBLINGS: u32 = 14;
 
-/// Front tolerances.
+/// Front tolerances of the levels of front tracking.
 const TOLERANCES: [f64; 10] = [1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 0.0];
 
-/// The scene as it was typed.
+/// The scene as it was read.
 #[derive(Debug)]
 pub(super) struct Source<'a> {
     scene: &'a Scene,
     base: PathBuf,
-    /// The scene records what only one method has.
+    /// Whether the scene sets `record.paths`, which only front tracking supports.
     records_paths: bool,
 }
 
@@ -73,7 +73,7 @@ impl<'a> Source<'a> {
         Self { scene, base, records_paths: written || scene.overrides.iter().any(set) }
     }
 
-    /// The ways in which the scene can be solved, and those in which it cannot, with the reason.
+    /// Returns the methods that support the scene, and those that do not, with the reason.
     pub fn families(&self) -> (Vec<Family>, Vec<Unable>) {
         let (mut able, mut unable) = (Vec::new(), Vec::new());
         for choice in MethodChoice::ALL {
@@ -95,7 +95,7 @@ impl<'a> Source<'a> {
         (able, unable)
     }
 
-    /// What is to be set so that the scene is solved in this way; without a resolution, by the default one.
+    /// Returns the overrides that select a method and a resolution, or the default resolution if `None`.
     pub fn overrides(&self, choice: MethodChoice, resolution: Option<Resolution>) -> Vec<String> {
         let mut solve = vec![format!("until={:e}", self.scene.solve.until), format!("method=\"{}\"", choice.method)];
         solve.extend(choice.scheme.map(|scheme| format!("scheme=\"{scheme}\"")));
@@ -119,7 +119,7 @@ impl<'a> Source<'a> {
         all
     }
 
-    /// The scene with these overrides.
+    /// Reads the scene with these overrides.
     pub fn read(&self, overrides: &[String]) -> Result<Scene> {
         if self.scene.text.is_empty() {
             let message = "this scene has no source text that can be read again with another method";
@@ -129,7 +129,7 @@ impl<'a> Source<'a> {
         Scene::parse(&name, &self.scene.text, &self.base, overrides)
     }
 
-    /// The scene in this way at this resolution.
+    /// Returns the scene with this method and resolution.
     pub fn at(&self, choice: MethodChoice, resolution: Resolution) -> Result<Scene> {
         self.read(&self.overrides(choice, Some(resolution)))
     }

@@ -1,10 +1,10 @@
 //! Conditions that every result must satisfy.
 //!
-//! - No number is missing or infinite.
-//! - Kinetic, elastic and stored energies are not negative; dissipated ones never decrease.
-//! - The method has not added energy to the bar.
+//! - All numbers are finite.
+//! - Kinetic, elastic and foundation energies are not negative; dissipated energies are not negative and never decrease.
+//! - The numerical scheme adds at most 1 % of the largest energy to the bar.
 //! - Fields stay within the bounds that the scene states.
-//! - The total variation of stress and velocity stays below that of the data, see [`super::variation`].
+//! - The total variation of stress and velocity does not exceed that imposed by the data, see [`super::variation`].
 
 use super::scenes::Bound;
 use super::variation;
@@ -14,32 +14,33 @@ use crate::record::{Field, LedgerRow};
 use crate::solver::Energies;
 use crate::units::{Dimension, Quantity};
 
-/// Energy residual up to which a ledger is closed.
+/// Largest energy residual for which the energy balance counts as closed.
 pub(super) const MOST_RESIDUAL: f64 = 1e-6;
 
-/// Part of the largest energy of a run by which rounding may make an energy negative, or smaller than before.
+/// Tolerance for rounding, relative to the largest energy of a run: by this amount an energy may be negative, or a dissipated energy may decrease.
 const ROUNDING: f64 = 1e-9;
 
-/// Part of the largest energy of a run that a method may give to the bar: schemes of second order do where the bar moves smoothly.
+/// Largest energy that the numerical scheme may add to the bar, relative to the largest energy of the run. Second-order schemes add energy where the
+/// motion is smooth.
 const MOST_GIVEN: f64 = 0.01;
 
-/// What was found.
+/// Extreme values of a result and the failed checks.
 pub(super) struct Found {
-    /// Pa.
+    /// Largest magnitude of the stress, Pa.
     pub largest_stress: f64,
     pub largest_strain: f64,
-    /// m/s.
+    /// Largest magnitude of the velocity, m/s.
     pub largest_velocity: f64,
     pub failed: Vec<String>,
 }
 
-/// A name, and how to read the energy.
+/// Name of an energy and its accessor.
 type Column = (&'static str, fn(&Energies) -> f64);
 
-/// Never negative.
+/// Stored energies, which are never negative.
 const STORED: [Column; 3] = [("kinetic", |e| e.kinetic), ("elastic", |e| e.elastic), ("foundation", |e| e.foundation)];
 
-/// Never negative and never decreasing.
+/// Dissipated energies, which are never negative and never decrease.
 const DISSIPATED: [Column; 6] = [
     ("plastic", |e| e.plastic),
     ("heat", |e| e.heat),
@@ -68,7 +69,7 @@ pub(super) fn check(file: &ResultFile, bounds: &[Bound]) -> Result<Found> {
     Ok(Found { largest_stress, largest_strain, largest_velocity, failed })
 }
 
-/// The total variations of stress and velocity over those that the data impose; the larger one.
+/// Returns the larger of the total variations of stress and velocity, each relative to the jump that the data impose.
 pub(super) fn variation(file: &ResultFile, imposed: [f64; 2]) -> Result<f64> {
     let frames = file.time()?.len();
     let mut most = 0.0_f64;
@@ -78,7 +79,7 @@ pub(super) fn variation(file: &ResultFile, imposed: [f64; 2]) -> Result<f64> {
     Ok(most)
 }
 
-/// The largest magnitude; says so where a number is none.
+/// Returns the largest magnitude. If a value is not finite, appends a message to `failed` and returns NaN.
 fn magnitude<'a>(mut values: impl Iterator<Item = &'a f64>, what: &str, failed: &mut Vec<String>) -> f64 {
     let largest = values.try_fold(0.0_f64, |most, value| value.is_finite().then(|| most.max(value.abs())));
     largest.unwrap_or_else(|| {

@@ -1,4 +1,4 @@
-//! Convergence of a case: three runs, with N, 2N and 4N cells, or with the front tolerances t, t/2 and t/4.
+//! Convergence of a case, from three runs with N, 2N and 4N cells or with the front tolerances t, t/2 and t/4.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -10,26 +10,27 @@ use crate::record::store::ResultFile;
 use crate::run::{self, Progress};
 use crate::scene::{Method, Scene};
 
-/// Samples over the bar at which runs are compared.
+/// Override for the number of samples along the bar at which runs are compared.
 const SAMPLES: &str = "record.cells=400";
 
-/// Differences below this part of the largest stress are rounding.
+/// Differences below this value, relative to the largest stress, count as rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Cells that the coarsest of the three grids has at least, where the case says nothing.
+/// Fewest cells of the coarsest grid if the case does not state its cells. The coarsest grid has a quarter of the scene's cells, or all of them if a
+/// quarter is fewer than this.
 const LEAST_CELLS: usize = 5;
 
-/// What three runs came to.
+/// Result of the three runs.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Outcome {
-    /// Mean over x of the differences in stress of successive runs at the end time, over the largest stress.
+    /// Mean over x of the stress differences between successive runs at the end time, relative to the largest stress.
     Differences([f64; 2]),
-    /// One of the runs came to no end, and why.
+    /// A run did not reach the end time; the text gives the reason.
     Stopped(String),
 }
 
 impl Outcome {
-    /// Why the results do not come together; none where they do.
+    /// Returns a message if the results do not converge, otherwise `None`.
     pub(super) fn fault(&self) -> Option<String> {
         match self {
             Self::Stopped(why) => Some(format!("no convergence: {why}")),
@@ -40,14 +41,14 @@ impl Outcome {
         }
     }
 
-    /// The differences, without those that are rounding.
+    /// Returns the differences, with those that are rounding set to 0.
     pub(super) fn differences(&self) -> Option<[f64; 2]> {
         let Self::Differences(differences) = self else { return None };
         Some(differences.map(|difference| if difference < ROUNDING { 0.0 } else { difference }))
     }
 }
 
-/// The keys that make the three runs of a scene, the coarsest first.
+/// Returns the overrides of the three runs, the coarsest first.
 fn levels(case: &HardCase, method: &Method) -> [String; 3] {
     let on = |cells: usize| {
         let quarter = if cells / 4 >= LEAST_CELLS { cells / 4 } else { cells };
@@ -62,7 +63,7 @@ fn levels(case: &HardCase, method: &Method) -> [String; 3] {
     }
 }
 
-/// Runs a case three times; `overrides` choose the method, `scale` is the largest stress, Pa.
+/// Runs a case at three resolutions and compares the stresses. `overrides` select the method; `scale` is the largest stress, Pa.
 pub(super) fn study(
     case: &HardCase,
     scene: &Scene,
@@ -84,7 +85,7 @@ pub(super) fn study(
     Ok(Outcome::Differences([0, 1].map(|k| difference(&stresses[k], &stresses[k + 1], scale))))
 }
 
-/// Stress along the bar at the end time, Pa.
+/// Runs a case and returns the stress along the bar at the end time, Pa.
 fn last_stress(
     case: &HardCase,
     overrides: &[String],
@@ -98,12 +99,12 @@ fn last_stress(
         let frames = file.time()?.len();
         Ok(file.field(Field::Stress, frames - 1..frames)?.into_iter().collect())
     });
-    // What cannot be removed goes with its folder.
+    // A file that cannot be removed here is removed with its folder.
     let _ = std::fs::remove_file(&output);
     ran
 }
 
-/// Mean of |a - b| over the scale.
+/// Returns the mean of |a - b| divided by the scale, or the sum of |a - b| if the scale is 0.
 fn difference(a: &[f64], b: &[f64], scale: f64) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
     if scale > 0.0 { sum / (a.len() as f64 * scale) } else { sum }

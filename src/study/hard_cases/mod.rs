@@ -1,6 +1,6 @@
-//! The hard cases: extreme scenes by every method that accepts them.
+//! The hard cases: extreme scenes, each solved by every method that supports it.
 //!
-//! Of every run the fields, the ends and the ledger are read back from its result file and checked, see `checks.rs`.
+//! The fields, the end histories and the energy balance of every run are read back from its result file and checked, see `checks.rs`.
 
 mod checks;
 mod convergence;
@@ -20,7 +20,7 @@ use crate::record::store::ResultFile;
 use crate::run::{self, Progress};
 use crate::scene::Scene;
 
-/// Meetings of fronts after which front tracking gives up on a case.
+/// Override that limits front tracking to 10^6 interactions of fronts per case.
 const MOST_EVENTS: &str = "solve.max-events=1000000";
 
 /// A method of the table.
@@ -29,19 +29,19 @@ const MOST_EVENTS: &str = "solve.max-events=1000000";
 pub enum Method {
     /// Finite differences, staggered in space and time.
     Leapfrog,
-    /// Finite volumes with limited slopes and the exact Riemann problem.
+    /// Finite volumes with slope limiting and an exact Riemann solver.
     #[serde(rename = "muscl")]
     Godunov,
-    /// Front tracking; with a rate law the characteristic net.
+    /// Front tracking, or the characteristic net if the scene has a rate law.
     #[serde(rename = "moc")]
     Characteristics,
 }
 
 impl Method {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 3] = [Self::Leapfrog, Self::Godunov, Self::Characteristics];
 
-    /// As in `[solve]` and in headings.
+    /// Returns the name as it is written in `[solve]` and in headings.
     pub fn name(self) -> &'static str {
         match self {
             Self::Leapfrog => "leapfrog",
@@ -61,37 +61,37 @@ impl Method {
     }
 }
 
-/// Result of a case by one method.
+/// Result of one case solved by one method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tried {
-    /// The case.
+    /// Name of the case.
     pub case: &'static str,
-    /// The method.
+    /// Method that solved the case.
     pub method: Method,
-    /// "done", "rupture"; "refused" if the method does not support the scene; "stopped" if the run ended with an error.
+    /// "done" or "rupture"; "refused" if the method does not support the scene; "stopped" if the run ended with an error.
     pub outcome: String,
-    /// Why it was refused or stopped; empty otherwise.
+    /// Reason why the run was refused or stopped; empty otherwise.
     pub reason: String,
-    /// Largest energy residual of the ledger, relative; none without a run.
+    /// Largest relative energy residual of the energy balance; `None` if no run was completed.
     pub energy_residual: Option<f64>,
     /// Largest stress of all frames and ends, Pa.
     #[serde(rename = "largest_stress_Pa")]
     pub largest_stress: Option<f64>,
     /// Largest strain of all frames.
     pub largest_strain: Option<f64>,
-    /// Largest total variation of stress or velocity along the bar, over the jump that the data impose; none where no bound is known.
+    /// Largest total variation of stress or velocity along the bar, relative to the jump that the data impose; `None` if no bound is known.
     pub variation: Option<f64>,
-    /// Mean differences in stress at the end time between runs on N and 2N, and 2N and 4N cells (or with front tolerances t, t/2, t/4),
-    /// over the largest stress; 0: rounding.
+    /// Mean differences in stress at the end time, relative to the largest stress, between the runs with N and 2N cells and with 2N and 4N cells (or
+    /// with front tolerances t, t/2 and t/4). 0: rounding.
     pub differences: Option<[f64; 2]>,
-    /// Checks that do not hold for a reason that the case states, a sentence each.
+    /// One sentence for each check that does not hold for a reason that the case states.
     pub stated: Vec<String>,
-    /// Checks that failed, a sentence each.
+    /// One sentence for each check that failed.
     pub failed: Vec<String>,
 }
 
 impl Tried {
-    /// Before the scene has been read.
+    /// Returns the result of a case before its scene has been read.
     fn refused(case: &HardCase, method: Method) -> Self {
         Self {
             case: case.name,
@@ -108,7 +108,7 @@ impl Tried {
         }
     }
 
-    /// Takes in how a run ended.
+    /// Records how a run ended, and the energy residual of a completed run.
     fn ended(&mut self, ended: Result<Summary>) -> Result<()> {
         match ended {
             Ok(summary) => {
@@ -128,7 +128,8 @@ impl Tried {
         }
     }
 
-    /// A check that does not hold fails, unless the case states why it cannot; one that does hold in spite of that fails too.
+    /// Records a check. A check that does not hold is a failure, unless the case states why it cannot hold. A check that holds although the case
+    /// states that it cannot is also a failure.
     fn judge(&mut self, fault: Option<String>, stated: Option<String>) {
         match (fault, stated) {
             (Some(_), Some(reason)) => self.stated.push(reason),
@@ -139,10 +140,10 @@ impl Tried {
     }
 }
 
-/// Runs a case by a method, and again on other grids for its convergence; result files are written to `folder` and removed again.
+/// Runs a case by one method, and again at other resolutions for its convergence. Result files are written to `folder` and removed afterwards.
 ///
 /// # Errors
-/// [`Error::Interrupted`] if `progress` requests a stop, a file error where a result cannot be written or read.
+/// [`Error::Interrupted`] if `progress` requests a stop; a file error if a result cannot be written or read.
 pub fn run_case(
     case: &HardCase,
     method: Method,
@@ -162,7 +163,7 @@ pub fn run_case(
     let Ok(file) = ResultFile::open(&output) else { return Ok(tried) };
     let scale = check(&mut tried, case, &scene, &file)?;
     drop(file);
-    // What cannot be removed goes with its folder.
+    // A file that cannot be removed here is removed with its folder.
     let _ = std::fs::remove_file(&output);
     if tried.outcome != "stopped" {
         let convergence = convergence::study(case, &scene, &overrides, scale, folder, progress)?;
@@ -173,12 +174,13 @@ pub fn run_case(
     Ok(tried)
 }
 
-/// Checks a result file; returns the largest stress that the bar has or can get from its motion, Pa.
+/// Checks a result file. Returns the stress scale of the case, Pa: the larger of the largest stress and the largest impedance times the largest
+/// velocity.
 fn check(tried: &mut Tried, case: &HardCase, scene: &Scene, file: &ResultFile) -> Result<f64> {
     let found = checks::check(file, &case.bounds())?;
     (tried.largest_stress, tried.largest_strain) = (Some(found.largest_stress), Some(found.largest_strain));
     tried.failed.extend(found.failed);
-    // Leapfrog is not monotone: it rings behind fronts.
+    // The leapfrog scheme is not monotone: it oscillates behind fronts.
     let imposed = variation::imposed(scene).filter(|_| tried.method != Method::Leapfrog && tried.outcome != "stopped");
     if let Some(imposed) = imposed {
         let variation = checks::variation(file, imposed)?;
@@ -186,7 +188,7 @@ fn check(tried: &mut Tried, case: &HardCase, scene: &Scene, file: &ResultFile) -
         let stated = case.growth_of_variation(tried.method);
         let exceeds = |most: f64| variation.is_nan() || variation > most;
         let fault = || format!("the total variation reaches {variation:.3} times the imposed jump");
-        // Beyond what is stated no reason counts.
+        // A stated reason counts only up to the stated bound.
         let reason = stated.filter(|(most, _)| !exceeds(*most)).map(|(most, reason)| {
             format!("the total variation grows to at most {most} times the imposed jump: {reason}")
         });

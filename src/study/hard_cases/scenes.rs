@@ -4,13 +4,13 @@ use std::borrow::Cow;
 
 use super::Method;
 
-/// Rows of the table that stands for `"NOISY_TABLE"`.
+/// Number of rows of the table that replaces `"NOISY_TABLE"`.
 const NOISY_ROWS: u32 = 10_000;
 
-/// A scene with its explanation in the comment lines at its top.
+/// A scene whose leading comment lines contain its explanation and its expected behaviour.
 #[derive(Debug, Clone, Copy)]
 pub struct HardCase {
-    /// File name without its ending.
+    /// File name without its extension.
     pub name: &'static str,
     source: &'static str,
 }
@@ -24,7 +24,7 @@ macro_rules! cases {
     };
 }
 
-/// All of them, by name.
+/// All cases, in the order of their names.
 pub const CASES: &[HardCase] = cases![
     "01-yield-kink",
     "02-perfect-plasticity",
@@ -67,17 +67,17 @@ pub const CASES: &[HardCase] = cases![
     "20-taylor-impact-at-600",
 ];
 
-/// A bound on the magnitude of a field that a comment line `# Bound: stress 300 MPa` of a scene states.
+/// A bound on the magnitude of a field, stated by a comment line such as `# Bound: stress 300 MPa` in a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
     /// "stress", "strain" or "velocity".
     pub field: String,
-    /// With its unit, as written.
+    /// Value with its unit, as written.
     pub value: String,
 }
 
 impl HardCase {
-    /// The scene file, complete.
+    /// Returns the complete text of the scene file.
     pub fn text(&self) -> Cow<'static, str> {
         const PLACE: &str = "\"NOISY_TABLE\"";
         if self.source.contains(PLACE) {
@@ -87,14 +87,14 @@ impl HardCase {
         }
     }
 
-    /// What is hard about it: one paragraph.
+    /// Returns one paragraph that explains what is difficult about the case.
     pub fn explanation(&self) -> String {
         let states = |line: &&str| [BOUND, COARSEST, VARIATION, CONVERGENCE].iter().any(|word| line.starts_with(word));
         let lines: Vec<&str> = self.comments().filter(|line| !states(line)).collect();
         lines.join(" ")
     }
 
-    /// What its fields stay within.
+    /// Returns the bounds of the fields that the case states.
     pub fn bounds(&self) -> Vec<Bound> {
         let bound = |line: &str| {
             let (field, value) = line.strip_prefix(BOUND)?.trim().split_once(' ')?;
@@ -103,23 +103,23 @@ impl HardCase {
         self.comments().filter_map(bound).collect()
     }
 
-    /// Cells of the coarsest grid on which its convergence shows, where it states them.
+    /// Returns the number of cells of the coarsest grid on which the case shows its convergence, if the case states it.
     pub(super) fn coarsest(&self) -> Option<usize> {
         self.comments().find_map(|line| line.strip_prefix(COARSEST)?.trim().parse().ok())
     }
 
-    /// How far the total variation grows by a method and why, where the case states that it does: `at most 1.1: ...`.
+    /// Returns the bound and the reason of a growing total variation, if the case states them for a method: `at most 1.1: ...`.
     pub(super) fn growth_of_variation(&self, method: Method) -> Option<(f64, &'static str)> {
         let (most, reason) = self.stated(VARIATION, method)?.strip_prefix("at most ")?.split_once(": ")?;
         Some((most.parse().ok()?, reason))
     }
 
-    /// Why the results by a method do not converge, where the case states that they do not.
+    /// Returns the reason why the results of a method do not converge, if the case states one.
     pub(super) fn why_no_convergence(&self, method: Method) -> Option<&'static str> {
         self.stated(CONVERGENCE, method)
     }
 
-    /// What the line `# <what>, <method>: ...` states.
+    /// Returns the text after the colon of the line `# <what>, <method>: ...`.
     fn stated(&self, what: &str, method: Method) -> Option<&'static str> {
         self.comments().find_map(|line| {
             let (of, reason) = line.strip_prefix(what)?.strip_prefix(", ")?.split_once(": ")?;
@@ -132,13 +132,13 @@ impl HardCase {
     }
 }
 
-/// What a comment line can state.
+/// Prefixes of the comment lines that state the expected behaviour.
 const BOUND: &str = "Bound:";
 const COARSEST: &str = "Cells of the coarsest grid:";
 const VARIATION: &str = "Growing variation";
 const CONVERGENCE: &str = "No convergence";
 
-/// A power law with noise that is the same in every run: it changes slopes by up to 0.8 E.
+/// Returns the rows of a power law with noise, which is the same in every run. The noise changes the slopes by up to 0.8 E.
 fn noisy_table() -> String {
     let mut state = 1_u64;
     let mut noise = || {

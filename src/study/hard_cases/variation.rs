@@ -1,22 +1,23 @@
-//! The total variation of stress and velocity along a suddenly loaded bar.
+//! Bound on the total variation of stress and velocity along a suddenly loaded bar.
 //!
-//! Bars of one uniform segment are checked, whose one end has a constant velocity or stress or is a wall without a gap, and whose
-//! other end is free. The end imposes one jump at t = 0: the stress of its fan, Pa, and |V - v0|, m/s (for a stress, the velocity of
-//! the fan). Reflections do not raise the sums of the jumps along the bar. At a free end and at a constant stress the jump in stress
-//! leaves as it came, and its jump in velocity, |d sigma|/(rho c), is no larger, since unloading is elastic and has the largest impedance;
-//! at a constant velocity and at a wall the jump in velocity leaves as it came. Waves that meet inside the bar can raise the sums
-//! where a loading wave passes between parts of unlike hardening; that the exact solutions of the scenes keep the bound is
-//! checked with front tracking. A scheme whose sums exceed it makes oscillations of its own (Harten 1983, J. Comput. Phys. 49, 357).
+//! The bound is known for bars of one uniform segment with one free end, whose other end has a constant velocity or stress, is fixed, or is a rigid
+//! wall without a gap. The loaded end imposes one jump at t = 0: the stress of its fan, Pa, and |V - v0|, m/s (for a stress, the velocity of the
+//! fan). Reflections do not increase the sums of the jumps along the bar. At a free end and at an end of constant stress, the reflected jump in
+//! stress equals the incident one, and the reflected jump in velocity, |d sigma|/(rho c), is no larger, because unloading is elastic and has the
+//! largest impedance. At an end of constant velocity and at a wall, the reflected jump in velocity equals the incident one. Waves that meet inside
+//! the bar can increase the sums if a loading wave passes between regions that have hardened by different amounts. Front tracking verifies that the
+//! exact solutions of the scenes satisfy the bound. A scheme that exceeds it generates spurious oscillations (Harten 1983, J. Comput. Phys. 49, 357).
 
 use ndarray::Array2;
 
 use crate::bar::{Bar, EndCondition, initial_fans};
 use crate::scene::{Scene, SceneParts};
 
-/// Largest sum over the imposed jump: a scheme of second order for a system is monotone but for terms of higher order.
+/// Largest permitted ratio of the total variation to the imposed jump. The excess over 1 allows for second-order schemes for systems, which are
+/// monotone only up to higher-order terms.
 pub(super) const MOST_VARIATION: f64 = 1.01;
 
-/// The jumps in stress (Pa) and velocity (m/s) that the data impose; none of a scene for which no bound is known.
+/// Returns the jumps in stress (Pa) and velocity (m/s) that the data impose, or `None` if no bound is known for the scene.
 pub(super) fn imposed(scene: &Scene) -> Option<[f64; 2]> {
     let SceneParts { bar, left, right, effects, .. } = &scene.parts;
     let [segment] = bar.segments.as_slice() else { return None };
@@ -30,7 +31,7 @@ pub(super) fn imposed(scene: &Scene) -> Option<[f64; 2]> {
     Some([fan.stress, jump(driven, bar).unwrap_or(fan.velocity)]).filter(|_| is_steady(driven))
 }
 
-/// The jump in velocity at an end, where that is imposed, m/s.
+/// Returns the velocity jump that an end imposes, m/s, or `None` if the end does not impose its velocity.
 fn jump(end: &EndCondition, bar: &Bar) -> Option<f64> {
     let start = bar.segments[0].velocity;
     match end {
@@ -50,7 +51,7 @@ fn is_steady(end: &EndCondition) -> bool {
     }
 }
 
-/// The largest total variation along the bar of all frames (rows).
+/// Returns the largest total variation along the bar over all frames (rows).
 pub(super) fn largest(frames: &Array2<f64>) -> f64 {
     let of_row =
         |row: ndarray::ArrayView1<'_, f64>| row.windows(2).into_iter().map(|pair| (pair[1] - pair[0]).abs()).sum();

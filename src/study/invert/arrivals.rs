@@ -1,11 +1,11 @@
-//! The stress-strain curve from arrival times of strain levels at gauges.
+//! Stress-strain curve from the arrival times of strain levels at gauges.
 //!
-//! In a simple wave that enters a bar at rest, each strain propagates at its own constant speed c(eps), so it passes the distance x at
-//! t = t0(eps) + x/c(eps). The slope of the line through its arrivals gives c; sigma = rho integral c^2 d eps. Nothing need be known of
-//! the loading but that it does not decrease. Shocks give the speed of their chord, so the result is the concave hull of the curve.
-//! Th. von Kármán, P. Duwez, J. Appl. Phys. 21, 1950; N. Cristescu, Dynamic Plasticity, 1967.
+//! In a simple wave that enters a bar at rest, each strain propagates at its own constant speed c(eps), so it passes the distance x at t = t0(eps) +
+//! x/c(eps). The slope of the line through its arrivals gives c, and sigma = rho integral c^2 d eps. The loading need not be known, except that it
+//! does not decrease. Shocks have the speed of their chord, so the result is the concave hull of the curve. Th. von Kármán, P. Duwez, J. Appl. Phys.
+//! 21, 1950; N. Cristescu, Dynamic Plasticity, 1967.
 //!
-//! It does not hold where reflected waves have arrived, nor where the stress depends on the strain rate.
+//! The method is not valid after reflected waves have arrived, or if the stress depends on the strain rate.
 
 use std::path::Path;
 
@@ -27,26 +27,26 @@ use crate::material::Sense;
 use crate::study::random::standard_normal;
 use crate::units::Dimension;
 
-/// What is known beside the arrivals, and how to treat them. The density has to be given: by default it is NaN, which is refused.
+/// Known data besides the arrivals, and settings of the inversion. The density must be given: its default is NaN, which is refused.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub density: f64,
-    /// Pa; no speed exceeds the elastic one where it is known.
+    /// Elastic modulus, Pa. If it is known, no speed exceeds the elastic one.
     pub modulus: Option<f64>,
-    /// From the loaded end to where the first reflection comes from, m.
+    /// Distance from the loaded end to the origin of the first reflection, m.
     pub length: Option<f64>,
-    /// When the loading starts, s.
+    /// Time at which the loading starts, s.
     pub start: f64,
-    /// All strains start from the loaded end at `start`: the loading is sudden.
+    /// Whether the loading is sudden: all strains start at the loaded end at `start`.
     pub centred: bool,
     /// Standard error of the gauge positions, m.
     pub position_error: f64,
-    /// Standard error of single arrival times, s; from their scatter where it is not given.
+    /// Standard error of single arrival times, s; if `None`, it is estimated from their scatter.
     pub time_error: Option<f64>,
-    /// Bootstrap replicates, 20 to 100 000.
+    /// Number of bootstrap replicates, 20 to 100 000.
     pub replicates: usize,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -78,39 +78,39 @@ impl Options {
     }
 }
 
-/// The curve that arrivals give.
+/// Inverted curve.
 #[derive(Debug, Clone, Serialize)]
 pub struct Inverted {
-    /// By strain.
+    /// Points of the curve, ordered by strain.
     pub points: Vec<WavePoint>,
     /// Distances of the gauges from the loaded end, m.
     #[serde(rename = "distances_m")]
     pub distances: Vec<f64>,
-    /// Deviation of the arrivals from straight characteristics, over their times; none where two gauges give each line.
+    /// Deviation of the arrivals from straight characteristics, relative to their times; `None` if no level has more than two gauges.
     pub curvature: Option<f64>,
-    /// The same over their noise: about 1 in a simple wave. Where it is larger, the intervals are widened by it.
+    /// Deviation relative to the noise: about 1 in a simple wave. If it is larger than 1, the intervals are widened by this factor.
     pub misfit: Option<f64>,
-    /// Zero offsets of the gauges, by distance: mean strain before the wave, which is removed where it exceeds its error; none where they
-    /// are not known.
+    /// Zero offsets of the gauges, ordered by distance: the mean strain before the wave, or 0 if it does not exceed three standard errors and is not
+    /// removed. `None` if they are unknown.
     pub zero_offsets: Option<Vec<f64>>,
-    /// What limits the result.
+    /// Limitations of the result.
     pub warnings: Vec<String>,
 }
 
-/// Levels at which records are read, and the power of their spacing: at the elastic limit, where the speed jumps, half a step of strain
-/// times the modulus is an error of the stress.
+/// Number of strain levels at which records are read, and the exponent of their spacing. The spacing is fine at small strains, because at the elastic
+/// limit, where the speed jumps, the stress has an error of half a strain step times the modulus.
 const LEVELS: usize = 1000;
 const SPACING: i32 = 3;
 
-/// Points of the result.
+/// Number of points of the result.
 const POINTS: usize = 40;
 
-/// Misfit and deviation from which the characteristics do not count as straight. A grid smears fronts by less than this part of their
-/// times.
+/// Misfit and relative deviation that must both be exceeded before the characteristics count as curved. A grid smears fronts by less than `BENT` of
+/// their times.
 const CURVED: f64 = 3.0;
 const BENT: f64 = 0.02;
 
-/// Arrival times: a column for each gauge (or repeat), a row for each level; NaN where there is none.
+/// Arrival times: one column per gauge (or repeat) and one row per level; NaN if there is no arrival.
 #[derive(Debug, Clone)]
 struct Arrivals {
     distance: Vec<f64>,
@@ -121,8 +121,8 @@ struct Arrivals {
 /// Inverts the records of gauges.
 ///
 /// # Errors
-/// Numbers out of range, columns of different lengths, rows that are not finite; too few gauges, no strain level that two of them see before
-/// the first reflection, positions and times that contradict each other.
+/// Numbers out of range, columns of different lengths, rows that are not finite; too few gauges, no strain level that two gauges record before the
+/// first reflection, contradictory positions and times.
 pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> {
     options.check()?;
     recording.check()?;
@@ -132,7 +132,7 @@ pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> 
     let records = before_reflection(&zero.records, options, &mut warnings);
     let fits: Vec<Vec<f64>> = records.iter().map(|r| non_decreasing(&r.strain, |_| 1.0)).collect();
     let noise: Vec<Noise> = records.iter().zip(&fits).map(|(r, fit)| Noise::about(&r.strain, fit)).collect();
-    // The fit overshoots by noise at its end.
+    // At its end the fit exceeds the strain by the noise.
     let top = |(fit, noise): (&Vec<f64>, &Noise)| fit.last().map_or(0.0, |last| last - 3.0 * noise.rms());
     let tops: Vec<f64> = fits.iter().zip(&noise).map(top).collect();
     let levels = levels(&tops, options)?;
@@ -166,10 +166,10 @@ pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> 
     Ok(inverted)
 }
 
-/// Inverts a table of arrivals: columns `x` (distance from the loaded end), `strain` (the level) and `time`.
+/// Inverts a table of arrivals with the columns `x` (distance from the loaded end), `strain` (the level) and `time`.
 ///
 /// # Errors
-/// As for [`of_records`]; an arrival later than the first reflection; lines without scatter where no error of the times is given.
+/// As for [`of_records`]; an arrival later than the first reflection; arrivals without scatter if no error of the times is given.
 pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
     options.check()?;
     let mut warnings = Vec::new();
@@ -200,20 +200,20 @@ pub fn of_table(path: &Path, options: &Options) -> Result<Inverted> {
     invert(&arrivals, &replicates, options, warnings)
 }
 
-/// Fewest samples before the wave whose mean is a zero offset, and the standard errors that it exceeds.
+/// Fewest samples before the wave for which the mean is a zero offset, and the number of standard errors that it must exceed to be removed.
 const FEWEST_QUIET: usize = 5;
 const OFFSET: f64 = 3.0;
 
 /// Records without their zero offsets.
 struct Zero {
     records: Vec<Record>,
-    /// Standard errors of what was removed; 0 where nothing was.
+    /// Standard errors of the removed offsets; 0 if none was removed.
     errors: Vec<f64>,
-    /// As recorded; none where a record is too short before the wave, or was simulated.
+    /// Offsets as recorded; `None` if a record is too short before the wave, or was simulated.
     offsets: Option<Vec<f64>>,
 }
 
-/// Removes what gauges record before the elastic wave can have come to them, or before the loading where its speed is not known.
+/// Removes the mean strain that gauges record before the elastic wave can arrive, or before the loading starts if the modulus is not known.
 fn zeroed(recording: &Recording, options: &Options, warnings: &mut Vec<String>) -> Zero {
     let mut zero =
         Zero { records: recording.records.clone(), errors: vec![0.0; recording.records.len()], offsets: None };
@@ -261,7 +261,8 @@ fn enough_gauges(distances: impl Iterator<Item = f64>, options: &Options) -> Res
         .into())
 }
 
-/// When the elastic wave that the far end reflects reaches a distance; none where the length or the modulus is not known.
+/// Returns the arrival time, as a function of the distance, of the elastic wave reflected at the far end, or `None` if the length or the modulus is
+/// not known.
 fn reflection(options: &Options, warnings: &mut Vec<String>) -> Option<impl Fn(f64) -> f64 + use<>> {
     if let (Some(length), Some(modulus)) = (options.length, options.modulus) {
         let (start, c0) = (options.start, (modulus / options.density).sqrt());
@@ -271,7 +272,7 @@ fn reflection(options: &Options, warnings: &mut Vec<String>) -> Option<impl Fn(f
     None
 }
 
-/// Records up to the reflected wave.
+/// Returns the records up to the arrival of the reflected wave.
 fn before_reflection(records: &[Record], options: &Options, warnings: &mut Vec<String>) -> Vec<Record> {
     let Some(arrival) = reflection(options, warnings) else { return records.to_vec() };
     let mut left_out = Vec::new();
@@ -303,7 +304,7 @@ fn not_after_reflection(table: &Table, options: &Options, warnings: &mut Vec<Str
     Err(table.error(row, message).allowed(allowed).help("leave out later arrivals, or use a longer bar").into())
 }
 
-/// Levels up to the largest strain that enough gauges see, closer at small strains, where speeds change most.
+/// Returns strain levels up to the largest strain that enough gauges record. They are denser at small strains, where the speed changes most.
 fn levels(tops: &[f64], options: &Options) -> Result<Vec<f64>> {
     let mut tops = tops.to_vec();
     tops.sort_by(|a, b| b.total_cmp(a));
@@ -316,8 +317,8 @@ fn levels(tops: &[f64], options: &Options) -> Result<Vec<f64>> {
     Ok((1..=LEVELS).map(|i| top * (i as f64 / LEVELS as f64).powi(SPACING)).collect())
 }
 
-/// Half the mean time between samples, s: an arrival is not known more closely. Records that hold jumps, two samples at one time, state
-/// arrivals exactly.
+/// Returns half the mean sampling interval, s, as the uncertainty of an arrival time. Records with jumps (two samples at one time) give arrivals
+/// exactly, so their value is 0.
 fn sampling(record: &Record) -> f64 {
     if record.time.windows(2).any(|pair| pair[0] == pair[1]) {
         return 0.0;
@@ -326,7 +327,7 @@ fn sampling(record: &Record) -> f64 {
     0.5 * first.zip(last).map_or(0.0, |(a, b)| (b - a) / record.time.len() as f64)
 }
 
-/// With positions and clocks of the gauges moved by their errors.
+/// Shifts the positions and the clocks of the gauges by random errors.
 fn displaced(mut arrivals: Arrivals, clock: impl Fn(usize) -> f64, position: f64, rng: &mut XorShiftRng) -> Arrivals {
     for (k, column) in arrivals.time.iter_mut().enumerate() {
         arrivals.distance[k] += position * standard_normal(rng);
@@ -354,7 +355,7 @@ fn read_table(path: &Path) -> Result<(Arrivals, Table)> {
     let mut level: Vec<f64> = strain.iter().map(|e| e.abs()).collect();
     level.sort_by(f64::total_cmp);
     level.dedup();
-    // Repeats at a place get columns of their own.
+    // Repeated arrivals at one position have separate columns.
     let (mut distance, mut columns) = (Vec::new(), Vec::<Vec<f64>>::new());
     for row in 0..x.len() {
         let at = level.partition_point(|&e| e < strain[row].abs());
@@ -369,8 +370,8 @@ fn read_table(path: &Path) -> Result<(Arrivals, Table)> {
     Ok((Arrivals { distance, level, time: columns }, table))
 }
 
-/// Slownesses 1/c of the levels, s/m, and the distances of their arrivals from the line, s; NaN where fewer gauges see a level than a line
-/// needs.
+/// Slownesses 1/c of the levels, s/m, the distances of their arrivals from the fitted lines, s, and the number of gauges per level. NaN if a level
+/// has fewer gauges than a line needs.
 struct Lines {
     slowness: Vec<f64>,
     residual: Vec<Vec<f64>>,
@@ -378,7 +379,7 @@ struct Lines {
 }
 
 #[expect(clippy::needless_range_loop, reason = "a level is a column of several tables")]
-/// Weighted least-squares lines t = t0 + x/c through the arrivals of each level; t0 is the start where the wave is centred.
+/// Fits lines t = t0 + x/c to the arrivals of each level by weighted least squares. For a centred wave t0 is the start.
 fn lines(arrivals: &Arrivals, weights: &[Vec<f64>], options: &Options) -> Lines {
     let count = arrivals.level.len();
     let mut all = Lines { slowness: vec![f64::NAN; count], residual: Vec::new(), gauges: vec![0; count] };
@@ -403,19 +404,19 @@ fn lines(arrivals: &Arrivals, weights: &[Vec<f64>], options: &Options) -> Lines 
     all
 }
 
-/// Standard deviation of the arrivals about all lines, s; none without degrees of freedom.
+/// Returns the standard deviation of the arrivals about all lines, s, or `None` without degrees of freedom.
 fn pooled_scatter(lines: &Lines) -> Option<f64> {
     let squares: f64 = lines.residual.iter().flatten().filter(|r| r.is_finite()).map(|r| r * r).sum();
     let freedom: usize = lines.gauges.iter().map(|n| n.saturating_sub(2)).sum();
     (freedom > 0).then(|| (squares / freedom as f64).sqrt())
 }
 
-/// One over the variance of each arrival among the replicates.
+/// Returns the reciprocal variance of each arrival among the replicates.
 fn weights(replicates: &[Arrivals], best: &Arrivals) -> Vec<Vec<f64>> {
     let columns = 0..best.distance.len();
     let at = |k: usize, i: usize| deviation(replicates.iter().map(move |replicate| replicate.time[k][i]));
     let all: Vec<Vec<f64>> = columns.map(|k| (0..best.level.len()).map(|i| at(k, i)).collect()).collect();
-    // Where nothing varies, all weigh the same.
+    // If nothing varies, all weights are equal.
     let largest = all.iter().flatten().fold(0.0_f64, |a, b| a.max(*b));
     let floor = if largest > 0.0 { 1e-3 * largest } else { 1.0 };
     all.iter().map(|column| column.iter().map(|d| (d * d + floor * floor).recip()).collect()).collect()
@@ -435,10 +436,10 @@ fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warni
     let widened = misfit.unwrap_or(1.0).max(1.0);
     let smallest = spread.iter().fold(0.0_f64, |a, b| a.max(*b)) * 1e-3 + f64::MIN_POSITIVE.sqrt();
     let curve = |lines: &Lines| -> Integrated {
-        // A replicate that misses a level has nothing to say of it.
+        // A replicate without a level uses the slowness of the estimate.
         let known = |&i: &usize| if lines.slowness[i].is_finite() { lines.slowness[i] } else { found.slowness[i] };
         let slowness: Vec<f64> = kept.iter().map(known).collect();
-        // Behind a front nothing is faster than the front.
+        // Behind a front, no strain level is faster than the front.
         let monotone = non_decreasing(&slowness, |j| (spread[kept[j]].powi(2) + smallest.powi(2)).recip());
         let speed = with_elastic_part(&monotone, |j| HALF_95 * widened * spread[kept[j]], c0);
         integrate(options.density, &strain, speed, [0.0; 3], c0)
@@ -462,9 +463,9 @@ fn invert(arrivals: &Arrivals, replicates: &[Arrivals], options: &Options, warni
     Ok(Inverted { points, distances: arrivals.distance.clone(), curvature, misfit, zero_offsets: None, warnings })
 }
 
-/// Speeds of increasing slownesses, up to the elastic one `c0` where that is known. The first levels have it as long as theirs agrees with
-/// it to within `error`: noise delays the arrivals of levels next to the elastic limit, and as no speed is larger, one that is lower by
-/// noise would not be made up for by others.
+/// Returns the speeds of increasing slownesses, limited to the elastic speed `c0` if it is known. The first levels have this speed as long as their
+/// own agrees with it within `error`. Noise delays the arrivals of levels near the elastic limit. Because no speed can exceed `c0`, these errors
+/// would not average out.
 fn with_elastic_part(slowness: &[f64], error: impl Fn(usize) -> f64, c0: Option<f64>) -> Vec<f64> {
     let Some(c0) = c0 else { return slowness.iter().map(|s| s.max(f64::MIN_POSITIVE).recip()).collect() };
     let elastic = slowness.iter().enumerate().take_while(|(j, s)| **s <= c0.recip() + error(*j)).count();
@@ -472,7 +473,7 @@ fn with_elastic_part(slowness: &[f64], error: impl Fn(usize) -> f64, c0: Option<
     slowness.iter().enumerate().map(speed).collect()
 }
 
-/// Refuses arrivals that are earlier farther away.
+/// Refuses arrivals if more than half of the levels arrive earlier at larger distances.
 fn not_backwards(arrivals: &Arrivals, lines: &Lines) -> Result<()> {
     let wrong = |&i: &usize| lines.slowness[i] <= 0.0;
     let seen = lines.slowness.iter().filter(|s| s.is_finite()).count();
@@ -485,20 +486,21 @@ fn not_backwards(arrivals: &Arrivals, lines: &Lines) -> Result<()> {
     Err(InputError::new(message).help(help).into())
 }
 
-/// Root mean square distance of the arrivals of a level from its line, over what their noise explains: the median of the levels (Birge's
-/// ratio, R. T. Birge, Phys. Rev. 40, 1932); none where two gauges give each line.
+/// Returns the median over the levels of the root mean square distance of the arrivals from their line, relative to their noise (Birge's ratio, R. T.
+/// Birge, Phys. Rev. 40, 1932). `None` if no level has more than two gauges.
 fn misfit(arrivals: &Arrivals, lines: &Lines, weights: &[Vec<f64>]) -> Option<f64> {
     let weighted = |i: usize, k: usize| weights[k][i] * lines.residual[k][i].powi(2);
     median_of_levels(arrivals, lines, weighted)
 }
 
-/// The same over the time since the start of the loading.
+/// Returns the median over the levels of the root mean square distance of the arrivals from their line, relative to the time since the start of the
+/// loading.
 fn curvature(arrivals: &Arrivals, lines: &Lines, options: &Options) -> Option<f64> {
     let relative = |i: usize, k: usize| (lines.residual[k][i] / (arrivals.time[k][i] - options.start)).powi(2);
     median_of_levels(arrivals, lines, relative)
 }
 
-/// Median of the levels: root of the sum of squares over the degrees of freedom.
+/// Returns the median over the levels of the root of the sum of `square` over the degrees of freedom.
 fn median_of_levels(arrivals: &Arrivals, lines: &Lines, square: impl Fn(usize, usize) -> f64) -> Option<f64> {
     let of_level = |i: usize| {
         let sum: f64 = (0..arrivals.distance.len()).map(|k| square(i, k)).filter(|s| s.is_finite()).sum();

@@ -1,4 +1,4 @@
-//! The curve from wave speeds: sigma = rho integral c^2 d eps, v = integral c d eps.
+//! Curve from wave speeds: sigma = rho integral c^2 d eps, v = integral c d eps.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use super::bands::{HALF_95, bias, deviation};
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Interval {
-    /// The estimate.
+    /// Estimate.
     pub value: f64,
     /// Lower bound.
     pub low: f64,
@@ -16,20 +16,20 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The estimate and what replicates scatter about it, their deviation times `widened`. Replicates of an estimate deviate from it in the
-    /// mean as it does from the truth, so the interval reaches as far to the other side.
+    /// Creates the interval of an estimate from bootstrap replicates, whose standard deviation is multiplied by `widened`. The mean deviation of the
+    /// replicates from the estimate approximates that of the estimate from the true value, so the interval is extended by it on the opposite side.
     pub(super) fn of_replicates(value: f64, replicates: impl Iterator<Item = f64> + Clone, widened: f64) -> Self {
         let half = HALF_95 * widened * deviation(replicates.clone());
         let bias = bias(replicates, value);
         Self { value, low: value - half - bias.max(0.0), high: value + half + (-bias).max(0.0) }
     }
 
-    /// Of a magnitude, which is not below 0.
+    /// Limits the interval of a magnitude to values >= 0.
     fn magnitude(self) -> Self {
         Self { low: self.low.max(0.0), ..self }
     }
 
-    /// With bounds of the estimate itself: what lies between the levels.
+    /// Extends the interval by the bounds of the estimate, which result from the unknown curve between the levels.
     pub(super) fn within(self, [low, high]: [f64; 2]) -> Self {
         Self {
             value: self.value,
@@ -51,11 +51,11 @@ pub struct WavePoint {
     pub stress_pa: Interval,
     /// Impact velocity that loads a long bar to this strain, m/s.
     pub velocity_m_s: Interval,
-    /// Gauges (or sections) that give the speed.
+    /// Number of gauges (or sections) that give the speed.
     pub gauges: usize,
 }
 
-/// Speeds at increasing strains and what they integrate to.
+/// Speeds at increasing strains, and the stresses and velocities integrated from them.
 #[derive(Debug, Clone)]
 pub(super) struct Integrated {
     pub(super) speed: Vec<f64>,
@@ -63,10 +63,10 @@ pub(super) struct Integrated {
     pub(super) velocity: Vec<f64>,
 }
 
-/// Integrates speeds c (m/s) over strains from `start` (strain, stress, velocity), where the speed is at most `fastest`.
+/// Integrates speeds c (m/s) over the strain from `start` (strain, stress, velocity). No speed exceeds `fastest`.
 ///
-/// Between two levels c follows a power of the strain, as behind every power-law hardening curve. Below the first level it follows the
-/// power of the first two up to the fastest; it is constant where no fastest is known, so the stress is then a lower bound.
+/// Between two levels c is a power of the strain, as for every power-law hardening curve. Below the first level it follows the power of the first two
+/// levels up to `fastest`. If that is not known, c is constant there, so the stress is a lower bound.
 pub(super) fn integrate(
     density: f64,
     strain: &[f64],
@@ -95,9 +95,9 @@ pub(super) fn integrate(
     Integrated { speed, stress, velocity }
 }
 
-/// Levels and speeds between the start and the first level, by the power of the first two levels.
+/// Returns levels and speeds between the start and the first level, from the power law of the first two levels.
 fn below_first(strain: &[f64], speed: &[f64], start: f64, fastest: Option<f64>) -> Vec<(f64, f64)> {
-    // 2^-24 of the first level counts as zero strain.
+    // The smallest level, 2^-24 of the first one, counts as zero strain.
     const HALVINGS: i32 = 24;
     let (Some(fastest), true) = (fastest, strain.len() > 1) else { return Vec::new() };
     let power = (speed[0] / speed[1]).ln() / (strain[1] / strain[0]).ln();
@@ -109,15 +109,15 @@ fn below_first(strain: &[f64], speed: &[f64], start: f64, fastest: Option<f64>) 
     (1..=HALVINGS).rev().map(level).filter(|&e| e > start).map(|e| (e, speed_at(e))).collect()
 }
 
-/// Mean over an interval of a function that is a power of the strain with these values at its ends; linear where the interval starts at
-/// zero strain.
+/// Returns the mean over an interval of strain of a power function with the given values at the ends of the interval; linear if the interval starts
+/// at zero strain.
 fn power_mean([a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> f64 {
     let linear = 0.5 * (at_a + at_b);
     if a <= 0.0 || b <= a || at_a <= 0.0 || at_b <= 0.0 || at_a == at_b {
         return linear;
     }
     let power = (at_b / at_a).ln() / (b / a).ln();
-    // A front: the speed falls at one strain.
+    // A front: the speed decreases at one strain.
     if power.abs() > 20.0 {
         return linear;
     }
@@ -130,16 +130,16 @@ fn power_mean([a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> f64 {
     integral / (b - a)
 }
 
-/// Bounds of the stress and of the velocity at each level, low and high.
+/// Lower and upper bounds of the stress and of the velocity at each level.
 #[derive(Debug, Clone)]
 pub(super) struct Bounds {
     pub(super) stress: Vec<[f64; 2]>,
     pub(super) velocity: Vec<[f64; 2]>,
 }
 
-/// Bounds of [`integrate`]: along a concave curve the speed does not increase, so between two levels it is at most that of the lower one
-/// and at least that of the upper one. Below the first level it is at most `fastest`; where that is not known, the first level has no
-/// upper bound, and its own speed stands for it.
+/// Returns bounds of the results of [`integrate`]. Along a concave curve the speed does not increase with the strain, so between two levels it is at
+/// most that of the lower level and at least that of the upper one. Below the first level it is at most `fastest`. If that is not known, the speed of
+/// the first level is used in its place, and the result is not an upper bound.
 pub(super) fn bounds(
     density: f64,
     strain: &[f64],
@@ -162,7 +162,8 @@ pub(super) fn bounds(
     all
 }
 
-/// Points with intervals: replicates of the same levels, their standard errors times `widened`, and the bounds.
+/// Returns the points with their intervals, from replicates at the same levels, whose standard errors are multiplied by `widened`, and from the
+/// bounds.
 pub(super) fn points(
     strain: &[f64],
     best: &Integrated,
@@ -184,10 +185,11 @@ pub(super) fn points(
     strain.iter().enumerate().map(point).collect()
 }
 
-/// Part of the largest stress by which the first point may be uncertain before that is a warning.
+/// Largest uncertainty of the first point, relative to the largest stress, for which no warning is given.
 const KNOWN_START: f64 = 0.25;
 
-/// Of points by strain: what is below the first one is not known, and shifts all stresses.
+/// Returns a warning if the curve below the first point is not known well enough: its uncertainty shifts all stresses. The points are ordered by
+/// strain.
 pub(super) fn unknown_start(points: &[WavePoint], help: &str) -> Option<String> {
     let WavePoint { strain, stress_pa: Interval { value, low, high }, .. } = *points.first()?;
     (high - low > KNOWN_START * points.last()?.stress_pa.value).then(|| {

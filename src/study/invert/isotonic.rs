@@ -1,12 +1,12 @@
 //! Isotonic regression: the monotone sequence nearest to noisy values.
 //!
-//! It smooths without a width to choose, keeps jumps sharp and averages over plateaus, as the records of a gauge behind which plastic
-//! fronts pass have them (R. E. Barlow et al., Statistical Inference under Order Restrictions, Wiley, 1972).
+//! It smooths without a bandwidth parameter, keeps jumps sharp and averages over plateaus. The records of gauges passed by plastic fronts have such
+//! jumps and plateaus (R. E. Barlow et al., Statistical Inference under Order Restrictions, Wiley, 1972).
 
-/// The non-decreasing sequence with the least weighted squares of deviations, by pooling adjacent violators. Weights are positive, one a
-/// value.
+/// Returns the non-decreasing sequence with the smallest weighted sum of squared deviations, by the pool-adjacent-violators algorithm. `weight`
+/// returns the weight of each value, > 0.
 pub(super) fn non_decreasing(values: &[f64], weight: impl Fn(usize) -> f64) -> Vec<f64> {
-    // Blocks of equal value: mean, weight, length.
+    // Blocks of equal values: mean, weight, length.
     let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
     for (i, &value) in values.iter().enumerate() {
         let mut last = (value, weight(i), 1);
@@ -20,8 +20,8 @@ pub(super) fn non_decreasing(values: &[f64], weight: impl Fn(usize) -> f64) -> V
     blocks.into_iter().flat_map(|(mean, _, length)| std::iter::repeat_n(mean, length)).collect()
 }
 
-/// Where a non-decreasing sequence first reaches a level, straight between its places; none where it starts above the level or stays
-/// below it.
+/// Returns the position at which a non-decreasing sequence first reaches a level, by linear interpolation. `None` if the sequence starts at or above
+/// the level or stays below it.
 pub(super) fn first_reach(places: &[f64], values: &[f64], level: f64) -> Option<f64> {
     let next = values.partition_point(|&value| value < level);
     if next == 0 || next >= values.len() {

@@ -4,51 +4,53 @@ use std::fmt::Write as _;
 
 use super::curve::WavePoint;
 
-/// What a material file states beside its curve.
+/// Content of a material file besides its curve.
 #[derive(Debug, Clone)]
 pub struct MaterialText<'a> {
     /// Name of the material.
     pub name: &'a str,
-    /// One line.
+    /// Description, one line.
     pub description: &'a str,
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub density: f64,
-    /// Pa, where known.
+    /// Elastic modulus, Pa, if known.
     pub modulus: Option<f64>,
     /// "tension" or "compression".
     pub sense: &'a str,
-    /// What was measured, and how the curve follows from it.
+    /// Description of the measurement and of its evaluation.
     pub measured: &'a str,
 }
 
-/// A knot of a curve, magnitudes.
+/// Knot of a measured curve; magnitudes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredKnot {
     /// Engineering strain.
     pub strain: f64,
     /// Engineering stress, Pa.
     pub stress: f64,
-    /// Its 95 % interval, Pa.
+    /// 95 % interval of the stress, Pa.
     pub interval: [f64; 2],
 }
 
-/// The curve of a test ends a little below its largest strain, so a run of the test goes past its end.
+/// Returns whether the stress does not decrease at the end of the curve, so that it can be extrapolated. The curve of a test ends slightly below the
+/// largest strain of the test, so a simulation of the test exceeds it.
 fn rises_at_end(knots: &[MeasuredKnot]) -> bool {
     knots.len() < 2 || knots.windows(2).next_back().is_some_and(|pair| pair[1].stress >= pair[0].stress)
 }
 
-/// What is said of the strains past the last knot.
+/// Returns a sentence on the extrapolation beyond the last knot, or `None` if the curve is not extrapolated.
 pub fn extended(knots: &[MeasuredKnot]) -> Option<String> {
     let last = knots.last().filter(|_| rises_at_end(knots))?;
     Some(format!("past strain {:.4} nothing is measured: the last slope is continued", last.strain))
 }
 
-/// Part of the elastic speed above which a speed whose interval holds it is the elastic one, and above which any is.
+/// Speeds relative to the elastic one: above `ABOUT_ELASTIC` a speed whose interval includes the elastic speed counts as elastic, above `ELASTIC` any
+/// speed does.
 const ABOUT_ELASTIC: f64 = 0.95;
 const ELASTIC: f64 = 0.99;
 
-/// The knots of a curve by wave theory: where the first speeds are the elastic one within their uncertainty, the curve is the elastic line,
-/// and the others continue from its end.
+/// Returns the knots of a curve determined by wave theory. While the first speeds equal the elastic one within their uncertainty, the curve is the
+/// elastic line; the other knots continue from its end.
 pub fn from_waves(points: &[WavePoint], density: f64, modulus: Option<f64>) -> Vec<MeasuredKnot> {
     let c0 = modulus.map_or(f64::INFINITY, |modulus| (modulus / density).sqrt());
     let is_elastic = |point: &&WavePoint| {
@@ -66,16 +68,17 @@ pub fn from_waves(points: &[WavePoint], density: f64, modulus: Option<f64>) -> V
     points[first.min(points.len())..].iter().map(knot).collect()
 }
 
-/// Part of the largest stress that is no difference: the start of the pulse, and so the strain, is not known more closely.
+/// Stress differences below this fraction of the largest stress are not significant: the start of the pulse, and thus the strain, is not known more
+/// precisely.
 const KNOWN: f64 = 0.01;
 
-/// Largest part of the knots whose line is prolonged to the elastic line, and so many where they are few.
+/// Largest fraction of the knots through which the line to the elastic limit is fitted, and the least number that is tried.
 const IN_LINE: f64 = 0.25;
 const FEW: usize = 3;
 
-/// A curve that starts past its elastic part, with a modulus: what lies on the elastic line within its interval is left out, and the line
-/// through the first of the other knots, as many as lie on one within their intervals, is prolonged to it. A concave curve lies between that
-/// and the chord from the origin.
+/// Adds the elastic part to a curve that starts beyond it. Knots that lie on the elastic line of `modulus` within their intervals are removed. A line
+/// is fitted to the first of the other knots, as many as lie on a line within their intervals, and extended to the elastic line. A concave curve lies
+/// between this line and the chord from the origin.
 pub fn with_elastic_part(knots: &[MeasuredKnot], modulus: f64) -> Vec<MeasuredKnot> {
     let known = known_stress(knots);
     let on_line = |k: &&MeasuredKnot| modulus * k.strain - k.stress <= (k.interval[1] - k.stress).min(known);
@@ -98,7 +101,8 @@ pub fn with_elastic_part(knots: &[MeasuredKnot], modulus: f64) -> Vec<MeasuredKn
     is_one.then_some(knee).into_iter().chain(rest.iter().copied()).collect()
 }
 
-/// To what a knot on the elastic line agrees with it, Pa: the median half width of all. Those of knots on steep parts hold the slope, too.
+/// Returns the stress difference up to which a knot agrees with the elastic line, Pa: the median half width of all intervals. The median is used
+/// because the half widths on steep parts of the curve include its slope.
 fn known_stress(knots: &[MeasuredKnot]) -> f64 {
     let mut half: Vec<f64> = knots.iter().map(|k| k.interval[1] - k.stress).collect();
     half.sort_by(f64::total_cmp);
@@ -106,7 +110,7 @@ fn known_stress(knots: &[MeasuredKnot]) -> f64 {
     half.get(half.len() / 2).map_or(0.0, |median| median.max(KNOWN * largest))
 }
 
-/// Slope and value at zero strain of the line through the first knots.
+/// Returns the slope and the value at zero strain of the line through the first knots.
 fn first_line(knots: &[MeasuredKnot]) -> (f64, f64) {
     let most = ((IN_LINE * knots.len() as f64) as usize).max(FEW).min(knots.len());
     let straight = |count: &usize| {
@@ -116,7 +120,7 @@ fn first_line(knots: &[MeasuredKnot]) -> (f64, f64) {
     line(&knots[..(FEW..=most).rev().find(straight).unwrap_or(2.min(knots.len()))])
 }
 
-/// Slope and value at zero strain of the line of least squares.
+/// Returns the slope and the value at zero strain of the least-squares line.
 fn line(knots: &[MeasuredKnot]) -> (f64, f64) {
     let mean = |of: &dyn Fn(&MeasuredKnot) -> f64| knots.iter().map(of).sum::<f64>() / knots.len() as f64;
     let (strain, stress) = (mean(&|k| k.strain), mean(&|k| k.stress));
@@ -125,7 +129,7 @@ fn line(knots: &[MeasuredKnot]) -> (f64, f64) {
     (slope, stress - slope * strain)
 }
 
-/// The text of a material file with this curve, strain strictly increasing from above 0.
+/// Returns the text of a material file with this curve, whose strains are > 0 and strictly increasing.
 pub fn material_text(material: &MaterialText<'_>, knots: &[MeasuredKnot]) -> String {
     let quote = |text: &str| toml_edit::Value::from(text).to_string();
     let mut text = String::new();

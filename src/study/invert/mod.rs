@@ -1,10 +1,10 @@
 //! Stress-strain curves from measurements on bars and wires: the inverse problem of the simulation.
 //!
 //! - [`arrivals`]: arrival times of strain levels at gauges along a bar (simple-wave theory).
-//! - [`residual`]: the strain left along a wire after an impact (von Kármán and Duwez).
+//! - [`residual`]: the strain along a wire during or after an impact (von Kármán and Duwez).
 //! - [`hopkinson`]: the gauges on the bars of a split-Hopkinson set.
 //!
-//! Strains and stresses are magnitudes, engineering measures, positive in the sense of the loading.
+//! Strains and stresses are magnitudes in engineering measure, positive in the sense of the loading.
 
 pub mod arrivals;
 mod bands;
@@ -27,12 +27,12 @@ pub use setup::{REPLICATES, SEED};
 
 use crate::material::Curve;
 
-/// The largest relative distance in stress between an inverted curve and another, and the strain there.
+/// Returns the relative difference in stress of an inverted curve from `curve` at the strain at which it is largest in magnitude, and that strain.
 pub fn against(curve: &Curve, points: &[WavePoint]) -> Option<(f64, f64)> {
     largest(curve, points.iter().map(|point| (point.strain, point.stress_pa.value)))
 }
 
-/// The same of a specimen's curve.
+/// Returns the same difference for the curve of a specimen.
 pub fn against_knots(curve: &Curve, knots: &[hopkinson::Knot]) -> Option<(f64, f64)> {
     largest(curve, knots.iter().map(|knot| (knot.strain, knot.stress)))
 }

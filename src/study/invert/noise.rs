@@ -1,15 +1,15 @@
-//! Noise of a record: the residuals of its fit, resampled in blocks for bootstrap replicates.
+//! Noise of a record: the residuals of its fit, which are resampled in blocks for bootstrap replicates.
 
 use rand::RngExt;
 use rand_xorshift::XorShiftRng;
 
 use crate::study::random::standard_normal;
 
-/// Samples of a digitized record.
+/// Number of samples of a digitized record.
 const SAMPLES: usize = 4000;
 
-/// A record as a digitizer takes it: evenly spaced samples, with noise of the normal distribution whose standard deviation is this part of
-/// the largest strain.
+/// Samples a record like a digitizer: equally spaced samples with normally distributed noise, whose standard deviation is the fraction `part` of the
+/// largest strain.
 pub(super) fn digitized(time: &[f64], strain: &[f64], part: f64, rng: &mut XorShiftRng) -> (Vec<f64>, Vec<f64>) {
     let deviation = part * strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
     let (Some(&first), Some(&last)) = (time.first(), time.last()) else { return Default::default() };
@@ -19,7 +19,7 @@ pub(super) fn digitized(time: &[f64], strain: &[f64], part: f64, rng: &mut XorSh
     (times, noisy)
 }
 
-/// Value of a record at a time, straight between samples; its first or last value outside. A jump is two samples at one time.
+/// Returns the value of a record at a time, interpolated linearly; its first or last value outside. A jump consists of two samples at one time.
 pub(super) fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
     let next = time.partition_point(|&own| own <= t);
     if next == 0 || next == time.len() {
@@ -32,33 +32,33 @@ pub(super) fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
 /// Residuals of a fit.
 pub(super) struct Noise {
     residuals: Vec<f64>,
-    /// Neighbours that are drawn together: about the length over which they are correlated.
+    /// Number of consecutive residuals that are drawn together: about their correlation length.
     block: usize,
 }
 
-/// Autocorrelation below which neighbours count as independent.
+/// Autocorrelation below which residuals count as independent.
 const INDEPENDENT: f64 = 0.1;
 
 impl Noise {
-    /// The residuals of values about their fit.
+    /// Computes the residuals of values about their fit.
     pub(super) fn about(values: &[f64], fit: &[f64]) -> Self {
         let residuals: Vec<f64> = values.iter().zip(fit).map(|(value, fit)| value - fit).collect();
         let block = correlated(&residuals);
         Self { residuals, block }
     }
 
-    /// Root mean square.
+    /// Returns the root mean square of the residuals.
     pub(super) fn rms(&self) -> f64 {
         let squares: f64 = self.residuals.iter().map(|r| r * r).sum();
         (squares / self.residuals.len().max(1) as f64).sqrt()
     }
 
-    /// Standard error of the mean of the values, whose neighbours may be correlated; 0 of a single one.
+    /// Returns the standard error of the mean of the values, allowing for the correlation of neighbours; 0 for a single value that is its own fit.
     pub(super) fn error_of_mean(&self) -> f64 {
         self.rms() * (self.block as f64 / self.residuals.len().max(1) as f64).sqrt()
     }
 
-    /// The fit with residuals drawn anew (moving-block bootstrap, H. R. Kuensch, Ann. Statist. 17, 1989).
+    /// Returns the fit plus resampled residuals (moving-block bootstrap, H. R. Kuensch, Ann. Statist. 17, 1989).
     pub(super) fn replicate(&self, fit: &[f64], rng: &mut XorShiftRng) -> Vec<f64> {
         let n = self.residuals.len();
         let mut values = Vec::with_capacity(n);
@@ -71,7 +71,7 @@ impl Noise {
     }
 }
 
-/// The first lag at which the autocorrelation is small, at least 1 and at most a twentieth of the record.
+/// Returns the first lag with a small autocorrelation, at least 1 and at most a twentieth of the record.
 fn correlated(residuals: &[f64]) -> usize {
     let variance: f64 = residuals.iter().map(|r| r * r).sum();
     let small = |lag: usize| {

@@ -15,45 +15,46 @@ use crate::material::{Beyond, Curve, Sense};
 use crate::record::store::{Gauge, ResultFile};
 use crate::units::Dimension;
 
-/// The record of one gauge.
+/// Record of one gauge.
 #[derive(Debug, Clone)]
 pub struct Record {
-    /// As the file names it.
+    /// Name in the file.
     pub name: String,
     /// Distance from the loaded end of the bar, m.
     pub distance: f64,
-    /// s, not decreasing.
+    /// Times, s, not decreasing.
     pub time: Vec<f64>,
-    /// Positive in the sense of the loading.
+    /// Strains, positive in the sense of the loading.
     pub strain: Vec<f64>,
 }
 
-/// The records of a test, and what their file says of the bar.
+/// Records of a test, with the data of the bar that their file contains.
 #[derive(Debug, Clone)]
 pub struct Recording {
-    /// By distance.
+    /// Records, ordered by distance.
     pub records: Vec<Record>,
-    /// Of the loading.
+    /// Sense of the loading.
     pub sense: Sense,
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub density: Option<f64>,
-    /// Pa.
+    /// Elastic modulus, Pa.
     pub modulus: Option<f64>,
-    /// From the loaded end to where the first reflection comes from, m.
+    /// Distance from the loaded end to the origin of the first reflection, m.
     pub length: Option<f64>,
-    /// The curve that a simulation used, for comparison.
+    /// Curve that a simulation used, for comparison.
     pub given: Option<Curve>,
-    /// Whether a run recorded it, with gauges that have no zero offset.
+    /// Whether the records are from a simulation, whose gauges have no zero offset.
     pub simulated: bool,
-    /// What of the file simple-wave theory does not describe.
+    /// Properties of the run that simple-wave theory does not describe, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl Recording {
-    /// Records from a CSV file: times in the first column, the strain of a gauge in each other one, at these distances (m).
+    /// Reads records from a CSV file: times in the first column, and the strain of one gauge in each other column. `distances` are those of the
+    /// gauges (m).
     ///
     /// # Errors
-    /// A wrong file; numbers of distances and gauges that differ; times that decrease.
+    /// An invalid file; different numbers of distances and gauges; times that decrease.
     pub fn from_csv(path: &Path, distances: &[f64]) -> Result<Self> {
         let dimension = |column: usize, _: &str| if column == 0 { Dimension::Time } else { Dimension::None };
         let table = Table::read(path, dimension)?;
@@ -91,10 +92,10 @@ impl Recording {
         .in_the_sense_of_loading())
     }
 
-    /// The gauges of a result file; with `names`, those.
+    /// Reads the gauges of a result file, or only those in `names` if that is not empty.
     ///
     /// # Errors
-    /// Fewer than one gauge, an unknown name, gauges in several segments.
+    /// No gauges, an unknown name, gauges in several segments.
     pub fn from_result(file: &ResultFile, names: &[String]) -> Result<Self> {
         let gauges = chosen(file, names)?;
         let segments = setup::segments(file)?;
@@ -122,7 +123,7 @@ impl Recording {
         Ok(Self { given: Curve::new(&knots, Beyond::Error).ok(), ..recording })
     }
 
-    /// The records as a digitizer takes them, with noise whose standard deviation is this part of each record's largest strain.
+    /// Samples the records like a digitizer and adds noise, whose standard deviation is the fraction `part` of each record's largest strain.
     #[must_use]
     pub fn with_noise(mut self, part: f64, seed: u64) -> Self {
         let mut rng = XorShiftRng::seed_from_u64(seed);
@@ -180,7 +181,7 @@ fn common_segment<'a>(file: &ResultFile, segments: &'a [Segment], gauges: &[Gaug
     })
 }
 
-/// Whether half of the largest strain arrives at the left gauge before it arrives at the right one.
+/// Returns whether half of the largest strain arrives at the left gauge before it arrives at the right one.
 fn arrives_from_left(gauges: &[Gauge]) -> bool {
     let largest = |gauge: &Gauge| gauge.trace.strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
     let level = 0.5 * gauges.iter().map(largest).fold(f64::INFINITY, f64::min);

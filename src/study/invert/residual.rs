@@ -1,14 +1,14 @@
-//! From the strain along a wire after an impact to the curve, as Th. von Kármán and P. Duwez evaluated their tests (J. Appl. Phys. 21,
+//! Stress-strain curve from the strain along a wire during or after an impact, by the method of Th. von Kármán and P. Duwez (J. Appl. Phys. 21,
 //! 1950).
 //!
-//! While the end moves at the impact velocity, the strain eps stands at x = c(eps) t. When the end is released at the time T, an elastic
-//! wave follows the plastic ones and leaves at x the plastic strain of the time T + x/c0, so c = x/(T + x/c0), and
-//! `d eps = d eps_p/(1 - (c/c0)^2)` since d sigma = rho c^2 d eps. The velocity of the end is `c0 eps_y` + integral c d eps: this checks the
-//! result, or gives the yield strain `eps_y` where it is not known.
+//! While the end moves at the impact velocity, the strain eps is at x = c(eps) t. When the end is released at the time T, an elastic wave follows the
+//! plastic ones. The plastic strain that remains at x is that of the time T + x/c0, so c = x/(T + x/c0), and `d eps = d eps_p/(1 - (c/c0)^2)` since
+//! `d sigma = rho c^2 d eps`. The velocity of the end is `c0 eps_y` + integral c d eps. This equation verifies the result, or gives the yield strain
+//! `eps_y` if it is not known.
 //!
-//! It does not hold where a reflected wave has come back. The released wire keeps its strains only if the elastic wave unloads it
-//! everywhere: where it meets the stress sigma and the velocity v, it leaves `(sigma - sigma_max + rho c0 (V - v))/2`, which must not
-//! exceed sigma. That is so in hard wires, `rho c0 V <= sigma_max + 2 sigma_y`. A soft wire goes on yielding by its inertia; only its
+//! The method is not valid where a reflected wave has arrived. The released wire keeps its strains only if the elastic wave unloads it everywhere.
+//! Where this wave meets the stress sigma and the velocity v, it leaves the stress `(sigma - sigma_max + rho c0 (V - v))/2`, which must not exceed
+//! sigma. This condition is satisfied in hard wires, `rho c0 V <= sigma_max + 2 sigma_y`. A soft wire continues to yield due to its inertia; only its
 //! strains while the end moves give the curve.
 
 use std::path::Path;
@@ -31,12 +31,12 @@ use crate::record::store::{ResultFile, Side};
 use crate::study::random::standard_normal;
 use crate::units::Dimension;
 
-/// The kind of strain along the wire.
+/// Kind of strain along the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
-    /// The whole strain, while the end still moves.
+    /// Total strain while the end still moves.
     Loaded,
-    /// The plastic strain that is left after the end was released.
+    /// Plastic strain that remains after the release of the end.
     Released,
 }
 
@@ -45,57 +45,58 @@ pub enum State {
 pub struct Profile {
     /// Distances from the struck end, m, increasing.
     pub distance: Vec<f64>,
-    /// Positive in the sense of the loading.
+    /// Strains, positive in the sense of the loading.
     pub strain: Vec<f64>,
-    /// Of the loading.
+    /// Sense of the loading.
     pub sense: Sense,
 }
 
-/// A profile with what a result file says of the test.
+/// A profile with the data of the test from a result file.
 #[derive(Debug, Clone)]
 pub struct Test {
-    /// The strains.
+    /// Strain along the wire.
     pub profile: Profile,
     /// Impact velocity, m/s, > 0.
     pub velocity: f64,
-    /// When the profile was taken (loaded) or the end was released, s.
+    /// Time of the profile (loaded) or of the release of the end (released), s.
     pub time: f64,
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub density: f64,
-    /// Pa.
+    /// Elastic modulus, Pa.
     pub modulus: f64,
-    /// m.
+    /// Length of the wire, m.
     pub length: f64,
-    /// The curve that the simulation used.
+    /// Curve that the simulation used.
     pub given: Option<Curve>,
-    /// What of the file simple-wave theory does not describe.
+    /// Properties of the run that simple-wave theory does not describe, one sentence each.
     pub notes: Vec<String>,
 }
 
-/// What is known beside the profile. Time, velocity, density and modulus have to be given: by default they are NaN, which is refused.
+/// Known data besides the profile, and settings of the inversion. Time, velocity, density and modulus must be given: their defaults are NaN, which is
+/// refused.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// What the profile holds.
+    /// Kind of strain of the profile.
     pub state: State,
     /// Time of the profile (loaded) or duration of the impact (released), s.
     pub time: f64,
-    /// m/s, > 0.
+    /// Impact velocity, m/s, > 0.
     pub velocity: f64,
-    /// Its standard error, m/s.
+    /// Standard error of the impact velocity, m/s.
     pub velocity_error: f64,
     /// Standard error of the position of the struck end, m.
     pub position_error: f64,
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub density: f64,
-    /// Pa.
+    /// Elastic modulus, Pa.
     pub modulus: f64,
-    /// Of the wire, m.
+    /// Length of the wire, m.
     pub length: Option<f64>,
-    /// Pa; from the impact velocity where it is not given.
+    /// Yield stress, Pa. For a released wire, `None` determines it from the impact velocity.
     pub yield_stress: Option<f64>,
-    /// Bootstrap replicates, 20 to 100 000.
+    /// Number of bootstrap replicates, 20 to 100 000.
     pub replicates: usize,
-    /// Of the random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -129,25 +130,25 @@ impl Options {
     }
 }
 
-/// The curve that a profile gives.
+/// Inverted curve.
 #[derive(Debug, Clone, Serialize)]
 pub struct Inverted {
-    /// By strain, from yield on.
+    /// Points of the curve, ordered by strain, from the yield point on.
     pub points: Vec<WavePoint>,
-    /// Yield stress, Pa: as given, or from the impact velocity; none from a loaded wire, whose strains start at 0.
+    /// Yield stress, Pa: as given, or from the impact velocity; `None` for a loaded wire for which it is not given.
     #[serde(rename = "yield_stress_Pa")]
     pub yield_stress: Option<Interval>,
-    /// Whether the impact velocity gave the yield stress.
+    /// Whether the yield stress was determined from the impact velocity.
     pub yield_from_velocity: bool,
     /// Integral of c d eps up to the largest strain, m/s.
     pub velocity_integral_m_s: Interval,
     /// Impact velocity, m/s.
     pub impact_velocity_m_s: f64,
-    /// What limits the result.
+    /// Limitations of the result.
     pub warnings: Vec<String>,
 }
 
-/// Strain at the far end of a profile, over its noise, from which on something has come there.
+/// Ratio of the strain at the far end of a profile to its noise above which a wave has arrived there.
 const FAR_NOISE: f64 = 4.0;
 
 /// Fewest sections of a profile.
@@ -156,14 +157,14 @@ const FEWEST_SECTIONS: usize = 5;
 const LEVELS: usize = 300;
 const POINTS: usize = 40;
 
-/// Part of the uniform strain near the end up to which levels are read.
+/// Fraction of the uniform strain near the end up to which levels are read.
 const OFF_PLATEAU: f64 = 0.99;
 
 impl Profile {
-    /// From a CSV file with the columns `x` (from the struck end) and `strain` (or `plastic_strain`).
+    /// Reads a profile from a CSV file with the columns `x` (distance from the struck end) and `strain` (or `plastic_strain`).
     ///
     /// # Errors
-    /// A wrong file, positions that do not increase.
+    /// An invalid file, or positions that do not increase.
     pub fn from_csv(path: &Path) -> Result<Self> {
         let of = |name: &str| if POSITION.contains(&name) { Dimension::Length } else { Dimension::None };
         let table = Table::read(path, |_, name| of(name))?;
@@ -204,7 +205,7 @@ impl Profile {
         Self { distance, strain, sense: if compressed { Sense::Compression } else { Sense::Tension } }
     }
 
-    /// With noise of the normal distribution, whose standard deviation is this part of the largest strain.
+    /// Adds normally distributed noise, whose standard deviation is the fraction `part` of the largest strain.
     #[must_use]
     pub fn with_noise(mut self, part: f64, seed: u64) -> Self {
         let mut rng = XorShiftRng::seed_from_u64(seed);
@@ -217,7 +218,7 @@ impl Profile {
 const POSITION: &[&str] = &["x", "position", "distance"];
 
 impl Test {
-    /// From a result file: the frame nearest to `time` where it is given (the loaded wire), else the last one (the released wire).
+    /// Reads a test from a result file: from the frame nearest to `time` if it is given (loaded wire), otherwise from the last frame (released wire).
     ///
     /// # Errors
     /// A bar of several segments, missing fields, an end that is not released.
@@ -268,7 +269,7 @@ impl Test {
     }
 }
 
-/// The end that is struck: its speed, and when its stress has fallen by half.
+/// The struck end: its side, its velocity, and the time at which its stress has decreased by half.
 struct Struck {
     side: Side,
     velocity: f64,
@@ -287,7 +288,7 @@ fn struck_end(file: &ResultFile) -> Result<Struck> {
     Ok(Struck { side: *side, velocity, released })
 }
 
-/// Strains of a frame: the whole ones, or the plastic ones.
+/// Returns the total or the plastic strains of a frame.
 fn strains(file: &ResultFile, segment: &Segment, frame: usize, state: State) -> Result<Vec<f64>> {
     let fields = file.fields();
     let row = |field: Field| -> Result<Vec<f64>> { Ok(file.field(field, frame..frame + 1)?.row(0).to_vec()) };
@@ -305,34 +306,35 @@ fn strains(file: &ResultFile, segment: &Segment, frame: usize, state: State) -> 
     }
 }
 
-/// Strain levels and where they stand.
+/// Strain levels and their positions.
 struct Fronts {
-    /// As in the profile, increasing.
+    /// Levels of the strain of the profile, increasing.
     level: Vec<f64>,
-    /// From the struck end, m; NaN where the level is not found.
+    /// Distances from the struck end, m; NaN if the profile does not reach the level.
     place: Vec<f64>,
-    /// Strain at the far end of the profile, above which levels are found, and its place, m.
+    /// Strain at the far end of the profile, above which levels are found, and its position, m.
     far: [f64; 2],
 }
 
-/// What has come before the lowest level of a profile, as `[strain, stress, velocity]`.
+/// State ahead of the lowest level of a profile, as `[strain, stress, velocity]`.
 #[derive(Clone, Copy)]
 struct Start {
     state: [f64; 3],
-    /// What it adds to the bounds of stresses and velocities, low and high.
+    /// Contribution of this state to the lower and upper bounds of the stresses and velocities.
     stress: [f64; 2],
     velocity: [f64; 2],
 }
 
 impl Start {
-    /// The elastic wave alone, up to this strain.
+    /// Returns the state behind an elastic wave with this strain.
     fn elastic(strain: f64, options: &Options) -> Self {
         let c0 = (options.modulus / options.density).sqrt();
         Self { state: [strain, options.modulus * strain, c0 * strain], stress: [0.0; 2], velocity: [0.0; 2] }
     }
 
-    /// Of a wire whose end still moves: the yield stress, up to which strains travel with the elastic wave; or else the strain at the far end of the profile, which has come
-    /// at least so far, at most with the elastic wave, and as fast as makes up for the impact `velocity` of which the other strains explain a part.
+    /// Returns the state in a wire whose end still moves. If the yield stress is known, strains up to it propagate with the elastic wave. Otherwise
+    /// the state is that of the strain at the far end of the profile. Its speed is at least the distance of the far end over the time and at most the
+    /// elastic speed. Within these limits it makes up the part of the impact `velocity` that is not `explained` by the other strains.
     fn moving(fronts: &Fronts, options: &Options, velocity: f64, explained: f64) -> Self {
         if let Some(stress) = options.yield_stress {
             return Self::elastic(stress / options.modulus, options);
@@ -349,7 +351,7 @@ impl Start {
         }
     }
 
-    /// Strain above which the levels of a profile tell its speeds.
+    /// Returns the strain above which the levels of a profile give their speeds.
     fn strain(fronts: &Fronts, options: &Options) -> f64 {
         options.yield_stress.map_or(fronts.far[0], |stress| stress / options.modulus)
     }
@@ -358,8 +360,8 @@ impl Start {
 /// Inverts a profile.
 ///
 /// # Errors
-/// Numbers out of range, columns of different lengths, rows that are not finite, distances that do not increase, fewer than five
-/// sections; a profile without strain above its noise; speeds that already explain more than the impact velocity.
+/// Numbers out of range, columns of different lengths, rows that are not finite, distances that do not increase, fewer than five sections; a profile
+/// whose strain does not exceed its noise; plastic strains that explain more than the impact velocity.
 pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
     options.check()?;
     profile.check()?;
@@ -369,14 +371,14 @@ pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
     let strain: Vec<f64> = profile.strain.iter().rev().copied().collect();
     let fit = non_decreasing(&strain, |_| 1.0);
     let noise = Noise::about(&strain, &fit);
-    // The last level keeps off the plateau, along which its place is not defined.
+    // The last level is below the plateau, on which its position would be undefined.
     let plateau = fit.last().map_or(0.0, |last| OFF_PLATEAU * (last - 3.0 * noise.rms()));
     if plateau <= 0.0 {
         let message = "no strain along the wire exceeds the noise";
         return Err(InputError::new(message).help("check the columns and their units").into());
     }
     let level: Vec<f64> = (1..=LEVELS).map(|i| plateau * (i as f64 / LEVELS as f64).powi(2)).collect();
-    // Within the noise nothing has come to the far end yet.
+    // A strain within the noise means that no wave has arrived at the far end.
     let far = if fit[0] > FAR_NOISE * noise.rms() { fit[0] } else { 0.0 };
     let read = |fit: &[f64], shift: f64| Fronts {
         level: level.clone(),
@@ -391,7 +393,7 @@ pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
         return Err(InputError::new(message).help("give the profile up to where the wire has not yielded").into());
     }
     let above = uniform_strain(profile, best.place[kept[kept.len() - 1]]).map_or(0.0, |e| (e - plateau).max(0.0));
-    // A strain is not placed more closely than half the distance between sections.
+    // The position of a strain is uncertain by half the distance between sections.
     let spacing = (place[0] - place[place.len() - 1]) / (place.len() - 1) as f64;
     let mut rng = XorShiftRng::seed_from_u64(options.seed);
     let found = evaluate(&best, &kept, above, options, options.velocity)?;
@@ -407,19 +409,19 @@ pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
     Ok(summary(&found, &drawn, options, &best))
 }
 
-/// Mean strain of the sections before the place at which it falls.
+/// Returns the mean strain of the sections ahead of the position at which it decreases, or `None` for fewer than five sections.
 fn uniform_strain(profile: &Profile, place: f64) -> Option<f64> {
     let near: Vec<f64> =
         profile.distance.iter().zip(&profile.strain).filter(|(x, _)| **x < 0.9 * place).map(|(_, e)| *e).collect();
     (near.len() >= 5).then(|| near.iter().sum::<f64>() / near.len() as f64)
 }
 
-/// Places of a replicate, those of the profile where a level is missing.
+/// Returns the positions of a replicate, with those of the profile in place of missing ones.
 fn filled(places: &[f64], best: &[f64]) -> Vec<f64> {
     places.iter().zip(best).map(|(&x, &best)| if x > 0.0 { x } else { best }).collect()
 }
 
-/// What one profile gives.
+/// Evaluation of one profile.
 struct Evaluated {
     strain: Vec<f64>,
     curve: Integrated,
@@ -473,7 +475,7 @@ fn evaluate(fronts: &Fronts, kept: &[usize], above: f64, options: &Options, velo
     Ok(Evaluated { strain, curve, yield_stress: options.modulus * yield_strain, velocity, start })
 }
 
-/// Strains past yield from plastic ones: d eps = d `eps_p`/(1 - (c/c0)^2).
+/// Returns the strains beyond yield from the plastic strains: d eps = d `eps_p`/(1 - (c/c0)^2).
 fn whole_strains(plastic: &[f64], speed: &[f64], c0: f64) -> Vec<f64> {
     let (mut before, mut sum) = (0.0, 0.0);
     let add = |(&level, &c): (&f64, &f64)| {
@@ -511,8 +513,8 @@ fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &F
     inverted
 }
 
-/// What the speeds between the levels leave open: bounds of the points and of the yield stress. Where the impact velocity gives the yield
-/// stress, the largest strain has that velocity, and what the integral may miss is missing in the yield stress.
+/// Returns bounds of the points and of the yield stress, which result from the unknown speeds between the levels. If the impact velocity determines
+/// the yield stress, the velocity at the largest strain is fixed, and an error of the integral is compensated by the yield stress.
 fn between_levels(found: &Evaluated, options: &Options, from_velocity: bool) -> (Bounds, [f64; 2]) {
     let c0 = (options.modulus / options.density).sqrt();
     let Start { state, stress, velocity } = found.start;
@@ -540,7 +542,8 @@ fn between_levels(found: &Evaluated, options: &Options, from_velocity: bool) -> 
     (all, open.map(|open| found.yield_stress + open))
 }
 
-/// The integral misses the impact velocity by more than its interval and this part.
+/// Largest relative difference between the integral and the impact velocity for which no warning is given. A difference within the interval gives
+/// none either.
 const VELOCITY_TOLERANCE: f64 = 0.03;
 
 fn velocity_warning(inverted: &Inverted) -> Option<String> {
@@ -555,8 +558,9 @@ fn velocity_warning(inverted: &Inverted) -> Option<String> {
     })
 }
 
-/// The elastic release wave, of impedance z = rho c0, carries sigma - z v = z V - `sigma_max` from the free end and meets sigma + z v, with
-/// v the velocity towards the wire's rest: it leaves half their sum.
+/// Returns a warning if the wire yields again behind the release wave. With the impedance z = rho c0, this elastic wave carries sigma - z v = z V -
+/// `sigma_max` from the free end and meets sigma + z v, where v is the velocity towards the part of the wire at rest. It leaves half the sum as
+/// stress.
 fn reloading_warning(options: &Options, found: &Evaluated) -> Option<String> {
     if options.state == State::Loaded {
         return None;
@@ -573,7 +577,7 @@ fn reloading_warning(options: &Options, found: &Evaluated) -> Option<String> {
     ))
 }
 
-/// Levels that were still moving when the reflected elastic wave met them.
+/// Returns a warning if levels were still propagating when the reflected elastic wave met them.
 fn reflection_warning(options: &Options, fronts: &Fronts) -> Option<String> {
     let Some(length) = options.length else {
         return Some("not checked: the wave reflected from the far end (needs the length)".to_owned());

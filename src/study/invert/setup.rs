@@ -7,15 +7,15 @@ use crate::input::{Allowed, Checked, member};
 use crate::record::store::{Metadata, ResultFile};
 use crate::units::Dimension;
 
-/// Bootstrap replicates by default.
+/// Default number of bootstrap replicates.
 pub const REPLICATES: usize = 200;
-/// Seed of the random numbers by default.
+/// Default seed of the random numbers.
 pub const SEED: u64 = 1;
 
-/// Fewer replicates give no 95 % interval.
+/// Allowed numbers of replicates. Fewer replicates give no 95 % interval.
 const ALLOWED_REPLICATES: Allowed = Allowed::Within(20.0, 1e5);
 
-/// The number of bootstrap replicates.
+/// Checks the number of bootstrap replicates.
 pub(super) fn check_replicates(count: usize) -> Checked {
     member("replicates", count as f64, Dimension::None, ALLOWED_REPLICATES)
 }
@@ -23,15 +23,15 @@ pub(super) fn check_replicates(count: usize) -> Checked {
 /// One segment of the bar.
 #[derive(Debug, Clone)]
 pub(super) struct Segment {
-    /// Left end, m.
+    /// Position of the left end, m.
     pub(super) start: f64,
-    /// m.
+    /// Length, m.
     pub(super) length: f64,
-    /// m^2; none where the scene gives no section.
+    /// Area of the section, m^2; `None` if the scene does not give it.
     pub(super) area: Option<f64>,
-    /// kg/m^3.
+    /// Density, kg/m^3.
     pub(super) density: f64,
-    /// Pa.
+    /// Elastic modulus, Pa.
     pub(super) modulus: f64,
     pub(super) name: String,
     material: Value,
@@ -42,12 +42,12 @@ impl Segment {
         self.start + self.length
     }
 
-    /// Elastic wave speed, m/s.
+    /// Returns the elastic wave speed, m/s.
     pub(super) fn c0(&self) -> f64 {
         (self.modulus / self.density).sqrt()
     }
 
-    /// Knots (strain, stress in Pa) of the curve in compression, else that of tension, as the run used it.
+    /// Returns the knots (strain, stress in Pa) of the curve that the run used: in compression if that is requested and exists, otherwise in tension.
     pub(super) fn curve(&self, compression: bool) -> Vec<(f64, f64)> {
         let own = if compression && !self.material["compression"].is_null() { "compression" } else { "tension" };
         let column = |name: &str| numbers(&self.material[own][name]);
@@ -55,10 +55,10 @@ impl Segment {
     }
 }
 
-/// Refuses distances from the loaded end beyond the length of the bar.
+/// Refuses distances from the loaded end that exceed the length of the bar.
 ///
 /// # Errors
-/// A gauge or a section past the far end.
+/// A gauge or a section beyond the far end.
 pub(super) fn on_the_bar(distances: impl Iterator<Item = f64>, length: Option<f64>) -> Result<()> {
     let farthest = distances.fold(0.0, f64::max);
     // Positions in a result file are rounded.
@@ -73,10 +73,10 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
 }
 
-/// The segments of the bar in a result file, left to right.
+/// Returns the segments of the bar in a result file, from left to right.
 ///
 /// # Errors
-/// A result of the energy method, or of a program that wrote no such facts.
+/// A result without a bar, or one whose resolved scene lacks these data.
 pub(super) fn segments(file: &ResultFile) -> Result<Vec<Segment>> {
     let wrong = || {
         let message = format!("{} contains no bar", file.path().display());
@@ -103,12 +103,12 @@ pub(super) fn segments(file: &ResultFile) -> Result<Vec<Segment>> {
     Ok(all)
 }
 
-/// Whether a run has an effect, by the start of its name.
+/// Returns whether a run has an effect whose name starts with `name`.
 pub(super) fn has_effect(metadata: &Metadata, name: &str) -> bool {
     metadata.effects.iter().any(|effect| effect.starts_with(name))
 }
 
-/// What of the simulated effects simple-wave theory does not know, one sentence each.
+/// Returns one sentence for each simulated effect that simple-wave theory does not describe.
 pub(super) fn outside_theory(metadata: &Metadata) -> Vec<String> {
     let has = |name: &str| has_effect(metadata, name);
     let mut notes = Vec::new();

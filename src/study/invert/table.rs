@@ -7,25 +7,25 @@ use crate::error::{InputError, Result};
 use crate::input::Document;
 use crate::units::{Dimension, in_heading, one};
 
-/// Named columns of numbers in SI.
+/// Named columns of numbers in SI units.
 pub(super) struct Table {
     pub(super) document: Document,
     pub(super) names: Vec<String>,
-    /// One a name.
+    /// Values of each column.
     pub(super) columns: Vec<Vec<f64>>,
-    /// Whether the header gives the unit, one a name.
+    /// Whether the header gives the unit of each column.
     units: Vec<bool>,
     spans: Vec<std::ops::Range<usize>>,
 }
 
-/// The largest strain of a column whose unit is not given: more is percent read as a number.
+/// Largest strain of a column whose unit is not given. Larger values are probably in percent.
 const MOST_WITHOUT_UNIT: f64 = 0.5;
 
 impl Table {
-    /// Reads a file. `dimension` says what a column of this name measures.
+    /// Reads a file. `dimension` returns the dimension of a column from its index and name.
     ///
     /// # Errors
-    /// A missing file or header, an unknown unit, a cell that is no finite number.
+    /// A missing file or header, an unknown unit, a cell that is not a finite number.
     pub(super) fn read(path: &Path, dimension: impl Fn(usize, &str) -> Dimension) -> Result<Self> {
         let (document, _) = Document::read_record(path)?;
         let mut wide = columns::table(&document)?;
@@ -53,7 +53,8 @@ impl Table {
         Ok(Self { document, names, columns, units, spans })
     }
 
-    /// The column of the first of these names that there is; else the only one whose name ends with such a word, as in "plastic strain".
+    /// Returns the column of the first of these names that exists. Otherwise returns the only column whose name ends with one of them as a word, as
+    /// in "plastic strain".
     fn position(&self, names: &[&str]) -> Option<usize> {
         let found = names.iter().find_map(|name| self.names.iter().position(|own| own == name));
         let ends_so = |own: &str| names.iter().any(|name| own.rsplit([' ', '_', '-']).next() == Some(*name));
@@ -61,17 +62,17 @@ impl Table {
         found.or_else(|| ending.next().filter(|_| ending.next().is_none()))
     }
 
-    /// An error at a row (from 0).
+    /// Creates an error at a row (from 0).
     pub(super) fn error(&self, row: usize, message: impl Into<String>) -> InputError {
         self.error_in(row, "", message)
     }
 
-    /// An error at a row (from 0) of a column.
+    /// Creates an error at a row (from 0) of a column.
     pub(super) fn error_in(&self, row: usize, column: &str, message: impl Into<String>) -> InputError {
         self.document.error(self.spans.get(row).cloned().unwrap_or(0..0), column, message)
     }
 
-    /// The column of the first of these names, which must be there.
+    /// Returns the column of the first of these names that exists, or an error.
     pub(super) fn needed(&self, names: &[&str]) -> Result<&[f64]> {
         Ok(&self.columns[self.needed_position(names)?])
     }
@@ -83,14 +84,14 @@ impl Table {
         })
     }
 
-    /// A column of strains, which must be there. Without a unit, strains that look like percent are refused.
+    /// Returns a column of strains, or an error if it does not exist. Strains without a unit that are probably in percent are refused.
     pub(super) fn needed_strains(&self, names: &[&str]) -> Result<&[f64]> {
         let column = self.needed_position(names)?;
         self.plausible_strains(column)?;
         Ok(&self.columns[column])
     }
 
-    /// Refuses strains without a unit that look like percent.
+    /// Refuses strains without a unit that are probably in percent.
     pub(super) fn plausible_strains(&self, column: usize) -> Result<()> {
         let strain = &self.columns[column];
         let largest = (0..strain.len()).max_by(|&a, &b| strain[a].abs().total_cmp(&strain[b].abs()));
@@ -105,12 +106,12 @@ impl Table {
             .into())
     }
 
-    /// Whether the header gives the unit of a column.
+    /// Returns whether the header gives the unit of a column.
     pub(super) fn has_unit(&self, column: usize) -> bool {
         self.units[column]
     }
 
-    /// What to say of a value whose column has no unit.
+    /// Returns a note for messages on a value whose column has no unit.
     pub(super) fn unit_note(&self, column: usize) -> &'static str {
         if self.units[column] { "" } else { ", as a plain number since the unit is not given" }
     }
@@ -118,16 +119,17 @@ impl Table {
 
 const HEADER: &str = "name the columns in the first line, with their units: x_mm,strain_%,time_us";
 
-/// What a title says.
+/// Content of a column heading.
 struct Named {
     name: String,
-    /// SI value of its unit; 1 without one.
+    /// Value of the unit in SI units; 1 without a unit.
     factor: f64,
-    /// Whether it gives a unit.
+    /// Whether the heading gives a unit.
     unit: bool,
 }
 
-/// Name in lower case and SI factor of a title such as `time_us`, `Time (us)` or `strain [%]`, or of one with its unit below it.
+/// Returns the name in lower case and the SI factor of a heading such as `time_us`, `Time (us)` or `strain [%]`, or of one with its unit in the line
+/// below.
 fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(&str) -> Dimension) -> Result<Named> {
     let with_unit = |name: String, factor: f64| Named { name, factor, unit: true };
     let title = cell.text.trim();
@@ -142,7 +144,7 @@ fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(
             .map_err(|reason| document.error(cell.span.clone(), "", reason).help(HEADER))?;
         return Ok(with_unit(name, factor));
     }
-    // `time_us`: what stands after the underscore of a strain may as well be part of the name.
+    // The text after the underscore is a unit in `time_us`; in the heading of a strain it can also be part of the name.
     let own = title.rsplit_once(['_', ' ']).map_or(title, |(name, _)| name).to_lowercase();
     let of = dimension(&own);
     if of != Dimension::None {

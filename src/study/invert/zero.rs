@@ -1,4 +1,4 @@
-//! The zero of a gauge: what its record holds before the wave arrives.
+//! Zero offset of a gauge: the strain that it records before the wave arrives.
 
 use super::noise::Noise;
 
@@ -6,21 +6,21 @@ use super::noise::Noise;
 pub(super) struct Zeroed {
     /// Times (s) and strains.
     pub(super) record: (Vec<f64>, Vec<f64>),
-    /// Mean strain before the wave, which is removed.
+    /// Mean strain before the wave, which has been removed.
     pub(super) offset: f64,
-    /// Its standard error.
+    /// Standard error of the offset.
     pub(super) offset_error: f64,
-    /// Standard deviation of the strain about it before the wave.
+    /// Standard deviation of the strain about the offset before the wave.
     pub(super) noise: f64,
-    /// Before the wave.
+    /// Number of samples before the wave.
     pub(super) samples: usize,
 }
 
-/// Part of the time before a wave that is free of its foot.
+/// Fraction of the time before a wave that is not affected by the foot of the wave.
 pub(super) const QUIET: f64 = 0.8;
 
 impl Zeroed {
-    /// With the wave at a time.
+    /// Removes the mean strain before a wave that arrives at time `wave` (s).
     pub(super) fn until(time: &[f64], strain: &[f64], wave: f64) -> Self {
         let start = time.first().copied().unwrap_or(0.0);
         let samples = time.partition_point(|&t| t < start + QUIET * (wave - start)).max(1).min(strain.len());

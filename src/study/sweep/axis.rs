@@ -1,7 +1,7 @@
 //! An axis of a sweep: a key of the scene and its values.
 //!
-//! Values are written into the scene as a user would write them, in the unit of the sweep file: steps of "0.1 mm" are decimal numbers of
-//! millimetres, not sums of rounded metres.
+//! Values are written into the scene as a user would write them, in the unit of the sweep file: steps of "0.1 mm" are decimal numbers of millimetres,
+//! not sums of rounded metres.
 
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
@@ -20,32 +20,32 @@ use crate::units::{Dimension, Quantity};
 /// Most values of an axis.
 pub(super) const MOST_VALUES: usize = 1_000_000;
 
-/// Keys of random values.
+/// Keys for random values.
 pub(super) const RANDOM: [&str; 3] = ["uniform", "normal", "choice"];
 
-/// Decimal digits to which computed values are rounded: more than any input has, less than rounding errors reach.
+/// Decimal places of the mantissa to which computed values are rounded: more than any input has, and few enough to remove rounding errors.
 const DIGITS: usize = 14;
 
-/// Part of a step by which rounding may miss the end of a range.
+/// Fraction of a step by which the end of a range may be missed due to rounding.
 const SLACK: f64 = 1e-9;
 
 /// One value of an axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Level {
-    /// As it is written into the scene, in TOML.
+    /// Value as it is written into the scene, in TOML.
     pub typed: String,
-    /// In SI; none of what is no number, such as the name of a material.
+    /// Value in SI units; `None` if it is not a number, such as the name of a material.
     pub si: Option<f64>,
 }
 
 /// A key of the scene and its values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
-    /// Dotted, as for `--set`: `left.value`.
+    /// Dotted key, as for `--set`: `left.value`.
     pub key: String,
-    /// SI unit of the values; empty for numbers without dimension and texts.
+    /// SI unit of the values; empty for texts and dimensionless numbers.
     pub unit: String,
-    /// In the order of the file.
+    /// Values in the order of the file.
     pub levels: Vec<Level>,
 }
 
@@ -72,7 +72,7 @@ pub(super) struct RawRange {
     count: Option<usize>,
     /// Distance of the values, in place of `count`.
     step: Option<Quantity>,
-    /// Equal steps, or equal ratios; of random values, what is uniformly distributed.
+    /// Equal steps or equal ratios of a range; for `uniform`, whether the values or their logarithms are uniformly distributed.
     scale: Option<Scale>,
     /// Random values, uniformly distributed between these.
     uniform: Option<[Quantity; 2]>,
@@ -95,10 +95,10 @@ enum Scale {
     Log,
 }
 
-/// Numbers in one unit.
+/// Numbers in a common unit.
 struct InUnit {
     numbers: Vec<f64>,
-    /// As typed; empty for SI.
+    /// Unit as typed; empty for SI.
     unit: String,
     dimension: Dimension,
 }
@@ -106,22 +106,22 @@ struct InUnit {
 type Read<T> = Result<T, String>;
 
 impl Level {
-    /// For people and tables: a text without the quotes of TOML.
+    /// Returns the value as it is shown to users and in tables: a text without the quotes of TOML.
     pub(super) fn plain(&self) -> &str {
         self.typed.trim_matches(['"', '\''])
     }
 
-    /// The number in SI, or the text.
+    /// Returns the number in SI units, or the text.
     pub(super) fn value(&self) -> serde_json::Value {
         self.si.map_or_else(|| self.plain().into(), Into::into)
     }
 }
 
 impl Axis {
-    /// An axis from its value in the sweep file.
+    /// Creates an axis from its value in the sweep file.
     ///
     /// # Errors
-    /// A sentence that says what is wrong.
+    /// A sentence that states what is wrong.
     pub(crate) fn read(key: &str, value: &Value) -> Read<Self> {
         let (levels, dimension) = match value {
             Value::Array(items) if items.is_empty() => return Err("the list is empty".into()),
@@ -138,7 +138,7 @@ impl Axis {
     }
 }
 
-/// The last parts of the keys of all scenes that take whole numbers, as they are declared there.
+/// Last components of all scene keys that are declared as whole numbers.
 static WHOLE: LazyLock<BTreeSet<String>> = LazyLock::new(|| {
     let scenes = [typed::schema::<RawScene>()].into_iter().chain(KINDS.iter().map(|kind| (kind.schema)()));
     let mut names = BTreeSet::new();
@@ -164,7 +164,7 @@ fn is_whole(key: &str) -> bool {
     WHOLE.contains(key.rsplit('.').next().unwrap_or(key))
 }
 
-/// Computed values as the nearest whole numbers. Those of a range are each there once; random ones may come again.
+/// Rounds computed values to the nearest whole numbers. Duplicates in a range are removed; random values may repeat.
 fn whole(levels: Vec<Level>, random: bool) -> Vec<Level> {
     let rounded = |level: Level| match level.si.map(f64::round) {
         Some(number) => Level { typed: format!("{number:.0}"), si: Some(number) },
@@ -177,7 +177,7 @@ fn whole(levels: Vec<Level>, random: bool) -> Vec<Level> {
     levels
 }
 
-/// The values of a list, each a number, a number with its unit, or a text.
+/// Returns the values of a list, each of which is a number, a number with a unit, or a text.
 fn listed(items: &[Value]) -> Read<(Vec<Level>, Dimension)> {
     let quantity = |item: &Value| match item {
         Value::Float(number) => Some(Quantity::Number(*number)),
@@ -269,7 +269,7 @@ impl RawRange {
         levels(&values, &unit, dimension)
     }
 
-    /// Items drawn with replacement.
+    /// Draws items with replacement.
     fn chosen(&self, key: &str, items: &[Value]) -> Read<(Vec<Level>, Dimension)> {
         let samples = self.samples()?;
         if items.is_empty() || self.scale.is_some() {
@@ -280,13 +280,13 @@ impl RawRange {
         Ok(((0..samples).map(|_| all[rng.random_range(0..all.len())].clone()).collect(), dimension))
     }
 
-    /// Those of this key: axes with the same seed are independent of each other.
+    /// Returns the random number generator of a key. Axes with the same seed are independent of each other.
     fn random_numbers(&self, key: &str) -> XorShiftRng {
         let own = u64::from(crc32fast::hash(key.as_bytes())) << 32;
         XorShiftRng::seed_from_u64(self.seed.unwrap_or(1) ^ own)
     }
 
-    /// How many random values there are.
+    /// Returns the number of random values.
     fn samples(&self) -> Read<usize> {
         if self.from.is_some() || self.to.is_some() || self.count.is_some() || self.step.is_some() {
             return Err("random samples have `samples` and `seed`, not the keys of a range".into());
@@ -303,7 +303,7 @@ fn counted(count: usize) -> Read<usize> {
     }
 }
 
-/// Value `i` of `count` from one bound to the other.
+/// Returns value `i` of `count` values between the bounds, both included.
 fn between([from, to]: [f64; 2], i: usize, count: usize, scale: Scale) -> Read<f64> {
     let share = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.0 };
     if scale == Scale::Linear {
@@ -312,7 +312,7 @@ fn between([from, to]: [f64; 2], i: usize, count: usize, scale: Scale) -> Read<f
     between_logs([from, to], share).map(rounded)
 }
 
-/// The number at a part of the way from one bound to the other, on a logarithmic scale.
+/// Returns the number at a fraction of the way between the bounds on a logarithmic scale.
 fn between_logs([from, to]: [f64; 2], part: f64) -> Read<f64> {
     if from * to <= 0.0 {
         return Err("scale = \"log\" needs bounds of one sign, neither of them zero".into());
@@ -320,7 +320,7 @@ fn between_logs([from, to]: [f64; 2], part: f64) -> Read<f64> {
     Ok(from * (to / from).powf(part))
 }
 
-/// Values from one bound in steps towards the other, which is one of them where a whole number of steps leads there.
+/// Returns values from one bound in steps towards the other, which is included if a whole number of steps reaches it.
 fn stepped([from, to]: [f64; 2], step: f64) -> Read<Vec<f64>> {
     let steps = ((to - from) / step).abs();
     if !steps.is_finite() {
@@ -331,12 +331,13 @@ fn stepped([from, to]: [f64; 2], step: f64) -> Read<Vec<f64>> {
     Ok((0..count).map(|i| rounded(from + i as f64 * step)).collect())
 }
 
-/// Without the last digits, which are rounding.
+/// Removes the last digits, which are affected by rounding.
 fn rounded(value: f64) -> f64 {
     format!("{value:.DIGITS$e}").parse().unwrap_or(value)
 }
 
-/// Quantities of one dimension as numbers in the unit that they share, else in SI. Plain numbers are in SI, whatever the dimension.
+/// Converts quantities of one dimension to numbers in their common unit, or in SI units if their units differ. Plain numbers are in SI units,
+/// whatever their dimension.
 fn in_one_unit(quantities: &[&Quantity]) -> Read<InUnit> {
     let si = quantities.iter().map(|q| q.in_si()).collect::<Read<Vec<_>>>()?;
     let parts: Vec<(f64, &str)> = quantities.iter().map(|q| q.number_and_unit()).collect::<Read<_>>()?;

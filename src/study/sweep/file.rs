@@ -17,17 +17,17 @@ use crate::scene::{Problem, Template};
 use crate::text_file;
 use crate::units::Dimension;
 
-/// Bytes of a text.
+/// Range of bytes of a text.
 type Span = std::ops::Range<usize>;
 
-/// A sweep as read.
+/// A sweep that has been read from a file or created from a scene.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// The file's stem: names the default output.
+    /// Stem of the file name, which names the default output.
     pub name: String,
-    /// The cases.
+    /// Cases of the sweep.
     pub plan: Plan,
-    /// The scene that they change.
+    /// Scene that the cases change.
     template: Template,
 }
 
@@ -63,15 +63,15 @@ struct RawSweep {
 }
 
 impl Sweep {
-    /// Reads and checks a sweep file and its scene with the values of the first case.
+    /// Reads and checks a sweep file, and its scene with the values of the first case.
     ///
     /// # Errors
-    /// Input errors only: the first thing that is wrong, with its place.
+    /// Input errors only: the first error with its position.
     pub fn read(path: &Path) -> Result<Self> {
         Self::of_document(&Document::read_scene(path)?, path)
     }
 
-    /// The same of a file that has been read.
+    /// Creates a sweep from a sweep file that has been read, and reads and checks its scene.
     ///
     /// # Errors
     /// As for [`Sweep::read`].
@@ -89,11 +89,11 @@ impl Sweep {
             .map_err(|error| in_file(error, file, &spans))
     }
 
-    /// A sweep of a scene that has been read, along axes of as many values each where they are combined by "zip".
+    /// Creates a sweep of a scene that has been read. Axes that are combined by "zip" need equal numbers of values.
     ///
     /// # Errors
-    /// Input errors only: a text that is no scene; a metric that no bar has; no axes, an axis without values, two axes of one key, axes of
-    /// unequal length that are combined by "zip", too many cases.
+    /// Input errors only: a text that is not a scene; a metric that no bar has; no axes, an axis without values, two axes of one key, axes of unequal
+    /// length that are combined by "zip", or too many cases.
     pub fn of_scene(
         name: String,
         document: Document,
@@ -116,16 +116,16 @@ impl Sweep {
         Ok(Self { name, plan, template })
     }
 
-    /// The scene of a case.
+    /// Returns the scene of a case.
     ///
     /// # Errors
-    /// Input errors: a case that the sweep does not have; what is wrong with the scene with these values.
+    /// Input errors: a case that the sweep does not have; an error in the scene with these values.
     pub fn problem(&self, case: usize) -> Result<Problem> {
         self.template.problem(&self.plan.overrides(case)?)
     }
 }
 
-/// Units of axes whose values are all plain numbers: those with which the scene reads them in its first case.
+/// Sets the units of axes whose values are all plain numbers to those with which the scene reads them in the first case.
 fn state_units(plan: &mut Plan, template: &Template) {
     let is_plain = |axis: &Axis| axis.unit.is_empty() && axis.levels.iter().all(|level| level.si.is_some());
     let plain: Vec<usize> = (0..plan.axes.len()).filter(|&k| is_plain(&plan.axes[k])).collect();
@@ -139,20 +139,20 @@ fn state_units(plan: &mut Plan, template: &Template) {
     }
 }
 
-/// What a scene names, such as materials, has no part in its text.
+/// Returns the checksum of the files that the scene names, such as materials, which are not part of its text.
 fn checksum_of_files(plan: &Plan, template: &Template) -> u32 {
-    // A case that is refused has read its files, too.
+    // A refused case has read its files, too.
     let of_case = |case| text_file::recorded(|| template.problem(&plan.changes(case))).1;
     let texts: BTreeSet<String> = plan.cases_of_texts().into_iter().flat_map(of_case).map(|(_, text)| text).collect();
     checksum(&Vec::from_iter(texts).join("\n"))
 }
 
-/// Results of other versions may differ.
+/// Returns the name and version of the program, since other versions may give other results.
 fn program() -> String {
     format!("barwave {}", env!("CARGO_PKG_VERSION"))
 }
 
-/// An error of the scene file, shown where the sweep names it.
+/// Converts an error of the scene file to one at the position where the sweep file names the scene.
 fn beside(error: Error, file: &Document, scene: &Spanned<PathBuf>) -> Error {
     match error {
         Error::Input(error) => {
@@ -164,7 +164,7 @@ fn beside(error: Error, file: &Document, scene: &Spanned<PathBuf>) -> Error {
     }
 }
 
-/// The axes in the order of the file.
+/// Reads the axes in the order of the file.
 fn axes(file: &Document, places: &[GivenKey], values: &toml::Table) -> Result<Vec<Axis>> {
     let axis = |GivenKey { name: key, value: span, .. }: &GivenKey| {
         let wrong = |message| {
@@ -172,7 +172,7 @@ fn axes(file: &Document, places: &[GivenKey], values: &toml::Table) -> Result<Ve
             Error::from(file.error(span.clone(), &format!("axes.{key}"), message).help(help))
         };
         let value = values.get(key).ok_or_else(|| wrong("missing".to_owned()))?;
-        // left.value = [...] without quotes is a table in a table.
+        // `left.value = [...]` without quotes is a nested table in TOML.
         if !key.contains('.')
             && let Some((inner, _)) =
                 value.as_table().and_then(|table| table.iter().find(|(_, value)| value.is_table() || value.is_array()))
@@ -185,7 +185,7 @@ fn axes(file: &Document, places: &[GivenKey], values: &toml::Table) -> Result<Ve
     places.iter().map(axis).collect()
 }
 
-/// Refuses names that no bar has, before hours of computing.
+/// Refuses names that no bar has, before any case is run.
 fn check_metrics(metrics: &[String]) -> Checked {
     for (k, metric) in metrics.iter().enumerate() {
         if let Some(help) = unknown(metric) {
@@ -196,10 +196,10 @@ fn check_metrics(metrics: &[String]) -> Checked {
     Ok(())
 }
 
-/// What the number of a metric follows in the keys of errors.
+/// Prefix of the number of a metric in the keys of errors.
 const METRICS: &str = "metrics.";
 
-/// An error of axes and metrics with its place in the file; `metrics` are those of the metrics.
+/// Adds the position in the file to an error of axes or metrics. `metrics` are the positions of the metrics.
 fn in_file(error: Error, file: &Document, metrics: &[Span]) -> Error {
     let Error::Input(error) = error else { return error };
     let metric = error.key.strip_prefix(METRICS).and_then(|k| metrics.get(k.parse::<usize>().ok()?));

@@ -1,6 +1,6 @@
-//! The folder of a sweep: `sweep.json` with its plan, and `rows.jsonl`, to which every case adds its row as it ends.
+//! The folder of a sweep: `sweep.json` with its plan, and `rows.jsonl`, to which a row is appended when a case ends.
 //!
-//! A killed sweep leaves all rows that were written; the last line may be cut and is dropped then.
+//! If a sweep is killed, all rows written so far remain. The last line may be incomplete and is then dropped.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, Write};
@@ -14,18 +14,18 @@ use super::shard::Shard;
 use crate::destination::{self, write_whole};
 use crate::error::{Error, InputError, Result};
 
-/// Names in the folder.
+/// File names in the folder.
 const PLAN: &str = "sweep.json";
 const ROWS: &str = "rows.jsonl";
 
-/// What `sweep.json` holds.
+/// Content of `sweep.json`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Begun {
     plan: Plan,
     shard: [usize; 2],
 }
 
-/// The rows of a sweep, open for more.
+/// The file of rows, open for appending.
 #[derive(Debug)]
 pub(super) struct Journal {
     rows: File,
@@ -33,27 +33,28 @@ pub(super) struct Journal {
 }
 
 impl Drop for Journal {
-    /// Releases the lock: a child process that was forked meanwhile would hold it until it executes its program.
+    /// Releases the lock. A child process that was forked in the meantime would otherwise hold it until it executes its program.
     fn drop(&mut self) {
         let _ = self.rows.unlock();
     }
 }
 
 impl Journal {
-    /// Whether a folder holds a sweep.
+    /// Returns whether a folder contains a sweep.
     pub fn is_in(folder: &Path) -> bool {
         folder.join(PLAN).exists()
     }
 
-    /// Whether a sweep in a folder has got as far as its cases.
+    /// Returns whether the sweep in a folder has started its cases.
     pub fn has_rows(folder: &Path) -> bool {
         folder.join(ROWS).exists()
     }
 
-    /// Starts in a folder, which is made where it is missing.
+    /// Starts a sweep in a folder, which is created if it does not exist.
     ///
     /// # Errors
-    /// An [`InputError`] where the folder holds a sweep already of which a case was accepted, or is no place for one; a file error.
+    /// An [`InputError`] if the folder already contains a sweep of which a case was accepted, contains another file of the same name, or is used by
+    /// another sweep; a file error.
     pub fn begin(folder: &Path, plan: &Plan, shard: Shard) -> Result<Self> {
         destination::folder_at(folder)?;
         if Self::has_rows(folder) && !Self::all_refused(folder) {
@@ -75,25 +76,25 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Whether a sweep has rows, and every one says that its case was refused: there is nothing to lose.
+    /// Returns whether a sweep has rows and all of them are refused cases, so that it can be replaced without loss.
     fn all_refused(folder: &Path) -> bool {
         Self::rows(folder).is_ok_and(|rows| !rows.is_empty() && rows.iter().all(|row| row.status == Status::Refused))
     }
 
-    /// Removes what a sweep has written to a folder, and the folder if nothing else is in it.
+    /// Removes the files of a sweep from a folder, and the folder if it is then empty.
     pub fn remove(self, folder: &Path) {
         drop(self);
         for name in [PLAN, ROWS] {
-            // What cannot be removed stays.
+            // Files that cannot be removed are left in place.
             let _ = std::fs::remove_file(folder.join(name));
         }
         let _ = std::fs::remove_dir(folder);
     }
 
-    /// Continues in a folder: the rows that it holds.
+    /// Continues a sweep in a folder. Returns the journal and the existing rows.
     ///
     /// # Errors
-    /// An [`InputError`] where the folder holds no sweep, or another one.
+    /// An [`InputError`] if the folder contains no sweep, or another one.
     pub fn resume(folder: &Path, plan: &Plan, shard: Shard) -> Result<(Self, Vec<Row>)> {
         let (begun, of) = Self::plan(folder)?;
         if begun != *plan || of != shard {
@@ -118,7 +119,7 @@ impl Journal {
         Ok(Self { rows, path })
     }
 
-    /// The plan and the shard of a folder.
+    /// Reads the plan and the shard in a folder.
     pub fn plan(folder: &Path) -> Result<(Plan, Shard)> {
         let path = folder.join(PLAN);
         let wrong = |what: &str| {
@@ -132,14 +133,14 @@ impl Journal {
         Ok((begun.plan, Shard { index, count }))
     }
 
-    /// The rows of a folder.
+    /// Reads the rows in a folder.
     pub fn rows(folder: &Path) -> Result<Vec<Row>> {
         let path = folder.join(ROWS);
         let text = std::fs::read_to_string(&path).map_err(|e| Error::file(&path, e))?;
         rows(&text, &path).map(|read| read.0)
     }
 
-    /// The rows so far; what is left of a line that was cut is dropped from the file.
+    /// Reads the rows written so far and removes an incomplete last line from the file.
     fn complete_rows(&mut self) -> Result<Vec<Row>> {
         let file = |e| Error::file(&self.path, e);
         let mut text = String::new();
@@ -150,13 +151,13 @@ impl Journal {
         Ok(rows)
     }
 
-    /// Adds a row, written as a line of JSON, in one write.
+    /// Appends a row, given as a line of JSON, in one write.
     pub fn add(&mut self, line: &str) -> Result<()> {
         self.rows.write_all(format!("{line}\n").as_bytes()).map_err(|e| Error::file(&self.path, e))
     }
 }
 
-/// All rows of complete lines, and the bytes of these.
+/// Returns the rows of all complete lines, and the number of bytes of these lines.
 fn rows(text: &str, path: &Path) -> Result<(Vec<Row>, usize)> {
     let whole = text.rfind('\n').map_or(0, |end| end + 1);
     let row = |(k, line): (usize, &str)| {

@@ -1,4 +1,4 @@
-//! One table from the shards of a sweep.
+//! Merges the shards of a sweep into one table.
 
 use std::path::{Path, PathBuf};
 
@@ -9,14 +9,14 @@ use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::text_file;
 
-/// Missing cases that are named.
+/// Number of missing cases that are listed.
 const NAMED: usize = 10;
 
-/// Joins the rows of folders of one sweep, or of the shards inside them, into `output` and the CSV table beside it. Returns the number of
-/// rows. It replaces what stands there, see [`super::check_tables`].
+/// Merges the rows in folders of one sweep, or of the shards inside them, into `output` and the CSV table beside it. Returns the number of rows.
+/// Existing files are replaced, see [`super::check_tables`].
 ///
 /// # Errors
-/// An [`InputError`] where folders hold no sweep or different ones; [`Error::Checks`] where cases are missing, unless `partial`.
+/// An [`InputError`] if folders contain no sweep or different ones; [`Error::Checks`] if cases are missing, unless `partial`.
 pub fn merge(folders: &[PathBuf], output: &Path, partial: bool) -> Result<usize> {
     let mut all = Vec::new();
     for folder in folders {
@@ -45,7 +45,7 @@ pub fn merge(folders: &[PathBuf], output: &Path, partial: bool) -> Result<usize>
     Ok(rows.len())
 }
 
-/// The folder itself, or those of the shards inside it.
+/// Returns the folder itself, or those of the shards inside it.
 fn sweeps_in(folder: &Path) -> Result<Vec<PathBuf>> {
     if Journal::is_in(folder) {
         return Ok(vec![folder.to_owned()]);
@@ -58,7 +58,7 @@ fn sweeps_in(folder: &Path) -> Result<Vec<PathBuf>> {
         entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| Journal::is_in(path)).collect();
     inside.sort();
     if inside.is_empty() {
-        // Says that there is none.
+        // Returns the error that the folder contains no sweep.
         Journal::plan(folder)?;
     }
     Ok(inside)

@@ -1,4 +1,4 @@
-//! The row of a case: how it ended, and the scalars of its summary by their dotted names.
+//! The row of a case: its status, and the scalars of its summary by their dotted names.
 
 use std::collections::BTreeMap;
 
@@ -9,26 +9,26 @@ use super::plan::Plan;
 use crate::error::{Error, Result};
 use crate::scene::CHANGES;
 
-/// Keys of the summary that say nothing of the physics of a case: they differ from machine to machine, or are the same in every case.
+/// Keys of the summary that do not describe the physics of a case: they differ between machines or are the same in every case.
 const LEFT_OUT: [&str; 9] =
     ["scene", "output", "outcome", "wall_s", "step_wall_s", "cell_steps_per_s", "events_per_s", "equation", "validity"];
 
-/// How a case ended.
+/// Status of a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// The end time was reached.
     Done,
-    /// The bar broke.
+    /// The bar fractured.
     Rupture,
     /// The run was stopped by an error.
     Stopped,
-    /// The scene is wrong with these values.
+    /// The scene is invalid with these values.
     Refused,
 }
 
 impl Status {
-    /// As in the table.
+    /// Returns the name as it is written in the table.
     pub fn name(self) -> &'static str {
         match self {
             Self::Done => "done",
@@ -39,24 +39,24 @@ impl Status {
     }
 }
 
-/// What a case gave.
+/// Results of a case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// Counted from 0.
+    /// Number of the case, starting at 0.
     pub case: usize,
-    /// How it ended.
+    /// Status of the case.
     pub status: Status,
-    /// Why it was stopped or refused; empty otherwise.
+    /// Reason why the case was stopped or refused; empty otherwise.
     pub reason: String,
-    /// Scalars of the summary: numbers (none where there is no value), texts, true or false.
+    /// Scalars of the summary: numbers (null if there is no value), texts and booleans.
     pub metrics: BTreeMap<String, Value>,
 }
 
 impl Row {
-    /// The row of a case from its summary, or from the error that ended it.
+    /// Creates the row of a case from its summary, or from the error that ended it.
     ///
     /// # Errors
-    /// Those that do not belong to the case: an interruption, or a file that cannot be written.
+    /// Errors that do not concern the case itself: an interruption, or a file that cannot be written.
     pub(super) fn new(case: usize, ended: Result<Value>, asked: &[String]) -> Result<Self> {
         let failed = |status, reason: String| Ok(Self { case, status, reason, metrics: BTreeMap::new() });
         match ended {
@@ -66,7 +66,7 @@ impl Row {
                 Ok(Self { case, status, reason: String::new(), metrics: metrics(&summary, asked) })
             }
             Err(Error::Input(mut error)) => {
-                // A place in the value of an axis says no more than its key.
+                // A position in the value of an axis gives no more information than its key.
                 error.place = error.place.filter(|place| place.file != CHANGES);
                 failed(Status::Refused, error.to_string())
             }
@@ -80,7 +80,7 @@ impl Row {
 #[derive(Debug, Serialize)]
 pub struct FullRow<'a> {
     case: usize,
-    /// By the keys of the axes: numbers in SI, or texts.
+    /// Values by the keys of the axes: numbers in SI units, or texts.
     axes: serde_json::Map<String, Value>,
     status: Status,
     reason: &'a str,
@@ -88,7 +88,7 @@ pub struct FullRow<'a> {
 }
 
 impl Row {
-    /// With the values of the axes of its case.
+    /// Adds the values of the axes of the case.
     pub fn with_axes(&self, plan: &Plan) -> FullRow<'_> {
         let axes = plan.axes.iter().zip(plan.levels(self.case));
         FullRow {
@@ -101,13 +101,14 @@ impl Row {
     }
 }
 
-/// Most values of a list of numbers that become columns.
+/// Most values of a list of numbers for which each value becomes a column.
 const LONGEST: usize = 10;
 
-/// Key of the summary whose entries stand in the table without it: `left.peak_force_N`.
+/// Key of the summary whose entries are named in the table without this key: `left.peak_force_N`.
 const FIGURES: &str = "figures";
 
-/// The scalars of a summary: those asked for (also inside lists, counted from 0), or all that are in no list.
+/// Returns the requested scalars of a summary, which may be inside lists (counted from 0). If none are requested, returns all that are not inside a
+/// list, and the values of short lists of numbers.
 fn metrics(summary: &Value, asked: &[String]) -> BTreeMap<String, Value> {
     if !asked.is_empty() {
         let of = |name: &String| scalar(summary, name).or_else(|| scalar(summary.get(FIGURES)?, name));
@@ -137,7 +138,7 @@ fn collect(value: &Value, prefix: &str, all: &mut BTreeMap<String, Value>) {
         };
         match value {
             Value::Object(_) => collect(value, &name, all),
-            // Profiles along the bar have one column a value.
+            // Longer lists, such as profiles along the bar, would need one column per value.
             Value::Array(items) if items.len() <= LONGEST && items.iter().all(Value::is_number) => {
                 all.extend(items.iter().enumerate().map(|(k, item)| (format!("{name}.{k}"), item.clone())));
             }

@@ -1,4 +1,4 @@
-//! Sweeps: many runs of one scene with keys that vary along axes; every case gives one row of results.
+//! Sweeps: many runs of one scene, with keys that vary along axes. Every case gives one row of results.
 
 mod axis;
 mod file;

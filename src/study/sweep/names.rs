@@ -1,9 +1,9 @@
-//! The names of metrics of bars: those of the summary and of its figures.
+//! Names of the metrics of bars: those of the summary and of its figures.
 
 use crate::input::nearest;
 use crate::record::definitions;
 
-/// Keys of the summary of a bar that metrics start with, beside the figures; what is inside the lists is not checked.
+/// Keys of the summary of a bar, besides the figures, with which a metric can start. Names inside its lists are not checked.
 const SUMMARY: [&str; 32] = [
     "method",
     "scheme",
@@ -39,15 +39,15 @@ const SUMMARY: [&str; 32] = [
     "output",
 ];
 
-/// Of the ends, beside their figures.
+/// Keys of the ends, besides their figures.
 const ENDS: [&str; 4] = ["stress_Pa", "strain", "velocity_m_s", "striker_velocity_m_s"];
 
-/// Keys of the figures of a place, as the reference names it.
+/// Returns the keys of the figures of a place, as the reference names it.
 fn figures(place: &str) -> Vec<String> {
     definitions().into_iter().filter(|[places, ..]| places.contains(place)).map(|[_, key, ..]| key).collect()
 }
 
-/// The names that may stand in place of one that no bar has, with the words before and after its part that is unknown; none if it is known.
+/// Returns the part of a metric name up to its unknown component, with the names that are valid in its place, or `None` if the name is known.
 fn alternatives(name: &str) -> Option<(String, Vec<String>)> {
     let parts: Vec<&str> = name.strip_prefix("figures.").unwrap_or(name).split('.').collect();
     let of_place = |at: usize, known: Vec<String>| {
@@ -63,7 +63,7 @@ fn alternatives(name: &str) -> Option<(String, Vec<String>)> {
         }
         "joints" => of_place(2, figures("`joints.N`")),
         "segments" => of_place(2, figures("`segments.N`")),
-        // The name of a gauge may have dots.
+        // The name of a gauge may contain dots.
         "gauges" => None,
         first => {
             let known: Vec<String> = figures("bar").into_iter().chain(SUMMARY.map(str::to_owned)).collect();
@@ -74,7 +74,7 @@ fn alternatives(name: &str) -> Option<(String, Vec<String>)> {
     }
 }
 
-/// What is wrong with the name of a metric of a bar, and what to write; none where a bar may have it.
+/// Returns a help text for the name of a metric that no bar has, or `None` if a bar may have it.
 pub(super) fn unknown(name: &str) -> Option<String> {
     let (own, known) = alternatives(name)?;
     let near = nearest(&own, known.iter().map(String::as_str));

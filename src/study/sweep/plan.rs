@@ -1,4 +1,4 @@
-//! The cases of a sweep and their changes of the scene.
+//! The cases of a sweep and the changes that they make to the scene.
 
 use std::collections::BTreeSet;
 
@@ -23,30 +23,30 @@ pub enum Combine {
     Zip,
 }
 
-/// The cases of a sweep. Two runs of one sweep file have the same plan, on any machine.
+/// The cases of a sweep. Two runs of one sweep file have the same plan on any machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Version of the program and of the table.
+    /// Name and version of the program.
     pub program: String,
-    /// For people: that of the scene.
+    /// Title of the scene, for display.
     pub title: String,
     /// Checksum of the scene's text.
     pub scene: u32,
-    /// Checksum of the files that the scene names with any values of the axes.
+    /// Checksum of all files that the scene names with the values of the axes.
     #[serde(default)]
     pub files: u32,
-    /// In the order of the file.
+    /// Axes in the order of the file.
     pub axes: Vec<Axis>,
-    /// How they are combined.
+    /// Combination of the axes.
     pub combine: Combine,
-    /// Figures that are asked for; empty: every scalar of the summary.
+    /// Requested metrics; empty: every scalar of the summary.
     pub metrics: Vec<String>,
-    /// Fields that are kept of every case; without any no result files are written.
+    /// Fields that are kept of every case. If empty, no result files are written.
     pub fields: Vec<String>,
 }
 
 impl Plan {
-    /// Refuses axes that give no cases, or not each its own.
+    /// Refuses axes that give no cases or whose keys are not distinct, and too many cases.
     pub(super) fn check(&self) -> Checked {
         let axes = &self.axes;
         if axes.is_empty() {
@@ -77,7 +77,7 @@ impl Plan {
         Err(error.help("use fewer values, or random samples combined by \"zip\""))
     }
 
-    /// Number of cases; none where they are more than a computer can count.
+    /// Returns the number of cases, or `None` if it exceeds the range of `usize`.
     pub(super) fn count(&self) -> Option<usize> {
         let lengths = self.axes.iter().map(|axis| axis.levels.len());
         match self.combine {
@@ -86,12 +86,12 @@ impl Plan {
         }
     }
 
-    /// Number of cases.
+    /// Returns the number of cases.
     pub fn cases(&self) -> usize {
         self.count().unwrap_or(0)
     }
 
-    /// The values of a case, one an axis.
+    /// Returns the values of a case, one per axis.
     pub(crate) fn levels(&self, case: usize) -> Vec<&Level> {
         if self.combine == Combine::Zip {
             return self.axes.iter().map(|axis| &axis.levels[case]).collect();
@@ -111,7 +111,7 @@ impl Plan {
         levels
     }
 
-    /// Cases in which every text of an axis, such as the name of a material, stands once, and the first one.
+    /// Returns the first case, and cases in which every text of an axis, such as the name of a material, occurs once.
     pub(super) fn cases_of_texts(&self) -> BTreeSet<usize> {
         let shortest = self.axes.iter().map(|axis| axis.levels.len()).min().unwrap_or(0);
         let (mut cases, mut stride) = (BTreeSet::from([0]), 1_usize);
@@ -129,7 +129,7 @@ impl Plan {
         cases
     }
 
-    /// What a case (from 0) changes in the scene, each `KEY=VALUE` as for [`crate::scene::Scene::read`].
+    /// Returns the changes of the scene by a case (from 0), each `KEY=VALUE` as for [`crate::scene::Scene::read`].
     ///
     /// # Errors
     /// A case that the sweep does not have.
@@ -142,7 +142,7 @@ impl Plan {
         Err(error.allowed(format!("0 <= case < {cases}")).help("cases are counted from 0").into())
     }
 
-    /// The same of a case that it has.
+    /// Returns the changes of the scene by a case that the sweep has.
     pub(super) fn changes(&self, case: usize) -> Vec<String> {
         let axes = self.axes.iter().zip(self.levels(case));
         let mut all: Vec<String> = axes.map(|(axis, level)| format!("{}={}", axis.key, level.typed)).collect();

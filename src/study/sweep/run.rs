@@ -18,20 +18,20 @@ use crate::error::{Error, InputError, Result};
 use crate::run;
 use crate::scene::Problem;
 
-/// What a sweep gave.
+/// Result of a sweep.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finished {
-    /// Cases by how they ended, those of earlier runs included.
+    /// Number of cases by status, including those of earlier runs.
     pub statuses: BTreeMap<&'static str, usize>,
-    /// Cases that were run now.
+    /// Number of cases in this run.
     pub run: usize,
     /// Metrics of the sweep file that no case has.
     pub without_values: Vec<String>,
-    /// The reason of most cases that were refused or stopped, and their number.
+    /// Most frequent reason for a refused or stopped case, and its number of cases.
     pub commonest_reason: Option<(String, usize)>,
 }
 
-/// Where rows go as cases end, and whether to stop.
+/// State that the threads share: rows, the first error, and the request to stop.
 struct Under<'a> {
     journal: Mutex<Journal>,
     rows: Mutex<Vec<Row>>,
@@ -40,13 +40,13 @@ struct Under<'a> {
     stop: &'a AtomicBool,
 }
 
-/// Runs the cases of a shard that have no row in the folder yet, and writes `table.csv` and `sweep.h5` there. Rows are kept as cases end:
-/// a sweep that is stopped or killed loses only the running cases. `on_row` gets every new row. Cases are run by all threads of the
-/// pool; the table does not depend on how many there are.
+/// Runs the cases of a shard that have no row in the folder yet, and writes `table.csv` and `sweep.h5` there. A row is stored when its case ends, so
+/// a sweep that is stopped or killed loses only the running cases. `on_row` receives every new row. Cases run on all threads of the pool; the table
+/// does not depend on their number.
 ///
 /// # Errors
-/// [`Error::Interrupted`] once `stop` is set (the tables then hold the rows so far), input errors, files that no sweep has written where
-/// the tables belong, and files that cannot be written.
+/// [`Error::Interrupted`] if `stop` is set (the tables then contain the rows so far), input errors, existing files in place of the tables that were
+/// not written by a sweep, and files that cannot be written.
 pub fn run(
     sweep: &Sweep,
     folder: &Path,
@@ -76,7 +76,7 @@ pub fn run(
     rows.sort_by_key(|row| row.case);
     let failed = under.failed.into_inner().unwrap_or_default();
     let statuses = match count_statuses(sweep, &rows) {
-        // The other shards need the rows of one whose cases are all refused.
+        // If all cases of a new sweep are refused, its folder is removed. A shard is kept, because merging needs its rows.
         Err(error) if failed.is_none() && !resume && shard == Shard::WHOLE => {
             if let Ok(journal) = under.journal.into_inner() {
                 journal.remove(folder);
@@ -96,7 +96,7 @@ pub fn run(
     })
 }
 
-/// The reason of most cases that have one; the values of the axes, the numbers in it, differ from case to case.
+/// Returns the most frequent reason. Reasons that differ only in their numbers, the values of the axes, count as the same.
 fn commonest_reason(rows: &[Row]) -> Option<(String, usize)> {
     let without_numbers = |reason: &str| reason.replace(|c: char| c.is_ascii_digit() || ".-+".contains(c), "");
     let mut reasons: Vec<(&str, String, usize)> = Vec::new();
@@ -107,18 +107,18 @@ fn commonest_reason(rows: &[Row]) -> Option<(String, usize)> {
             None => reasons.push((&row.reason, like, 1)),
         }
     }
-    // Of equally common ones the first.
+    // The first of equally frequent reasons is returned.
     let most = reasons.iter().rev().max_by_key(|known| known.2)?;
     Some((most.0.to_owned(), most.2))
 }
 
-/// Metrics that no case has.
+/// Returns the metrics that no case has.
 fn without_values(plan: &Plan, rows: &[Row]) -> Vec<String> {
     let is_in = |name: &String, row: &Row| row.metrics.get(name).is_some_and(|value| !value.is_null());
     plan.metrics.iter().filter(|name| !rows.iter().any(|row| is_in(name, row))).cloned().collect()
 }
 
-/// Cases by how they ended; an error where none was accepted.
+/// Counts the cases by status. Returns an error if all were refused.
 fn count_statuses(sweep: &Sweep, rows: &[Row]) -> Result<BTreeMap<&'static str, usize>> {
     let mut statuses = BTreeMap::new();
     for row in rows {
@@ -127,7 +127,7 @@ fn count_statuses(sweep: &Sweep, rows: &[Row]) -> Result<BTreeMap<&'static str, 
     match rows.first() {
         Some(first) if statuses.keys().eq([&Status::Refused.name()]) => {
             let all = |reason: &str| format!("every case is refused; the first one: {reason}");
-            // The error itself says more than its line in the table.
+            // The error itself contains more details than its line in the table.
             if let Err(Error::Input(error)) = sweep.problem(first.case) {
                 return Err(InputError { message: all(&error.message), ..error }.into());
             }
@@ -138,7 +138,7 @@ fn count_statuses(sweep: &Sweep, rows: &[Row]) -> Result<BTreeMap<&'static str, 
     }
 }
 
-/// As many cases at a time as there are threads, the first ones first.
+/// Runs as many cases at a time as there are threads, in the order of their numbers.
 fn run_all(sweep: &Sweep, folder: &Path, cases: &[usize], under: &Under<'_>) {
     let next = AtomicUsize::new(0);
     let work = || {
@@ -171,12 +171,12 @@ fn run_one(sweep: &Sweep, folder: &Path, case: usize, under: &Under<'_>) -> Resu
     Ok(())
 }
 
-/// The result file of a case, where fields are kept.
+/// Returns the path of the result file of a case, which exists if fields are kept.
 pub fn case_file(folder: &Path, case: usize) -> PathBuf {
     folder.join(format!("case-{case:06}.h5"))
 }
 
-/// The rows of a folder by case.
+/// Reads the rows in a folder, ordered by case.
 ///
 /// # Errors
 /// A file that cannot be read.
@@ -186,7 +186,7 @@ pub fn rows(folder: &Path) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// The summary of a case.
+/// Runs a case and returns its summary.
 fn simulate(sweep: &Sweep, folder: &Path, case: usize, stop: &AtomicBool) -> Result<Value> {
     let plan = &sweep.plan;
     let output = (!plan.fields.is_empty()).then(|| case_file(folder, case));

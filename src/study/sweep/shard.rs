@@ -5,26 +5,26 @@ use std::str::FromStr;
 use crate::error::InputError;
 use crate::input::Checked;
 
-/// Part `index` (from 1) of `count`: every case whose number leaves index - 1 when divided by count. One with another index is refused by
-/// [`super::run`], and has no case.
+/// Part `index` (from 1) of `count` parts: every case whose number has the remainder index - 1 when divided by count. A shard with an invalid index
+/// is refused by [`super::run`], and has no cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1.
+    /// Number of the shard, from 1 to `count`.
     pub index: usize,
-    /// At least `index`.
+    /// Number of shards, at least `index`.
     pub count: usize,
 }
 
 impl Shard {
-    /// All cases.
+    /// Shard of all cases.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
-    /// Whether a case (from 0) belongs to it.
+    /// Returns whether a case (from 0) belongs to the shard.
     pub fn has(self, case: usize) -> bool {
         case.checked_rem(self.count).is_some_and(|rest| rest + 1 == self.index)
     }
 
-    /// Its index is one of its count.
+    /// Checks that the index is between 1 and the count.
     pub(super) fn check(self) -> Checked {
         if (1..=self.count).contains(&self.index) {
             return Ok(());
@@ -33,16 +33,16 @@ impl Shard {
         Err(error.allowed("1 <= index <= count").help("number the shards from 1"))
     }
 
-    /// The folder of its rows inside that of the sweep; none for all cases.
+    /// Returns the folder of the shard's rows inside that of the sweep, or `None` for all cases.
     pub fn folder(self) -> Option<String> {
         (self.count > 1).then(|| format!("shard-{}-of-{}", self.index, self.count))
     }
 
-    /// Which shard this process is by its environment, and the variables that say so: a task of a job array of Slurm, a process of several
-    /// of MPI or of a step of Slurm, or one of several processes of a task.
+    /// Determines the shard of this process from environment variables, and returns it with their names. The process may be a task of a Slurm job
+    /// array, one of several processes of MPI or of a Slurm step, or one of several processes of a task of a job array.
     ///
     /// # Errors
-    /// A sentence, for tasks that are not evenly numbered.
+    /// A sentence, if the tasks of a job array are not evenly numbered.
     pub fn of_environment(variable: impl Fn(&str) -> Option<String>) -> Result<Option<(Self, String)>, String> {
         let number = |name: &str| variable(name)?.trim().parse::<usize>().ok();
         let process = PROCESS.iter().find_map(|&[rank, size]| Some((number(rank)?, number(size)?, rank)));
@@ -55,14 +55,15 @@ impl Shard {
     }
 }
 
-/// Variables with the number of a process, from 0, and with that of all. Outside of a step the batch script of Slurm has a `SLURM_PROCID`, too.
+/// Variables with the rank of a process (from 0) and the number of processes. `SLURM_PROCID` is used with the number of tasks of the step, because a
+/// batch script outside a step has a `SLURM_PROCID`, too.
 const PROCESS: [[&str; 2]; 3] = [
     ["OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"],
     ["PMI_RANK", "PMI_SIZE"],
     ["SLURM_PROCID", "SLURM_STEP_NUM_TASKS"],
 ];
 
-/// The number of the task in a job array of Slurm, from 0, and that of all; none without an array.
+/// Returns the position of the task in a Slurm job array (from 0), the number of tasks and the name of the variable, or `None` without an array.
 fn array_task(number: &dyn Fn(&str) -> Option<usize>) -> Result<Option<(usize, usize, &'static str)>, String> {
     const ID: &str = "SLURM_ARRAY_TASK_ID";
     let (Some(id), Some(count)) = (number(ID), number("SLURM_ARRAY_TASK_COUNT")) else { return Ok(None) };
@@ -76,13 +77,13 @@ fn array_task(number: &dyn Fn(&str) -> Option<usize>) -> Result<Option<(usize, u
     Ok((count > 1).then_some(((id - first) / step, count, ID)))
 }
 
-/// How a shard is written.
+/// Description of the format of a shard.
 const AS_TEXT: &str = "write I/N with I from 1 to N, such as 2/4 for the second of four shards";
 
 impl FromStr for Shard {
     type Err = InputError;
 
-    /// From "2/4".
+    /// Parses a shard such as "2/4".
     fn from_str(text: &str) -> Result<Self, InputError> {
         let parsed = text
             .split_once('/')

@@ -14,26 +14,26 @@ use crate::error::{Error, InputError, Result};
 use crate::record::dimension_of;
 use crate::record::store::{SweepColumn, SweepFile, Values, check_table, write_sweep};
 
-/// Columns of every table beside axes and metrics.
+/// Columns of every table besides axes and metrics.
 const CASE: &str = "case";
 const STATUS: &str = "status";
 const REASON: &str = "reason";
 
-/// Names of the metrics of all rows, in alphabetical order, or in that of the plan.
+/// Returns the names of the metrics of all rows: in the order of the plan, or else in alphabetical order.
 fn names(plan: &Plan, rows: &[Row]) -> Vec<String> {
     if !plan.metrics.is_empty() {
         return plan.metrics.clone();
     }
     let mut all: BTreeSet<&String> = BTreeSet::new();
     let mut last: Option<&Row> = None;
-    // Most rows have the names of the one before.
+    // Most rows have the same names as the previous row.
     for row in rows {
         if last.is_none_or(|last| !last.metrics.keys().eq(row.metrics.keys())) {
             all.extend(row.metrics.keys());
         }
         last = Some(row);
     }
-    // A figure that is an object in some rows is null in others.
+    // A figure that is an object in some rows can be null in others.
     let is_object = |name: &String| {
         let start = format!("{name}.");
         all.range::<String, _>(&start..).next().is_some_and(|next| next.starts_with(&start))
@@ -41,7 +41,7 @@ fn names(plan: &Plan, rows: &[Row]) -> Vec<String> {
     all.iter().filter(|name| !is_object(name)).map(|name| (*name).clone()).collect()
 }
 
-/// The metrics of a row in the order of the names; null where it has none.
+/// Returns the metrics of a row in the order of the names; null for missing ones.
 fn values<'a>(row: &'a Row, names: &[String]) -> Vec<&'a Value> {
     if row.metrics.keys().eq(names) {
         return row.metrics.values().collect();
@@ -49,10 +49,10 @@ fn values<'a>(row: &'a Row, names: &[String]) -> Vec<&'a Value> {
     names.iter().map(|name| row.metrics.get(name).unwrap_or(&Value::Null)).collect()
 }
 
-/// Refuses to replace files that are no tables of sweeps; with `force` any others may be replaced.
+/// Refuses to replace files that are not tables of sweeps. With `force`, any file may be replaced.
 ///
 /// # Errors
-/// One that names the file, or says that another run writes it.
+/// An error that names the file, or states that another run writes it.
 pub fn check_tables(csv: &Path, hdf5: &Path, force: bool) -> std::result::Result<(), InputError> {
     check_table(hdf5, force)?;
     let target = destination::resolve(csv)?;
@@ -63,10 +63,10 @@ pub fn check_tables(csv: &Path, hdf5: &Path, force: bool) -> std::result::Result
     Err(error.help("choose another name, or move that file away"))
 }
 
-/// Longest first line that a table may have, bytes.
+/// Longest first line of a table, bytes.
 const LONGEST_LINE: u64 = 1 << 20;
 
-/// Whether there is no such file, or an empty one, or one that begins as the tables of sweeps do.
+/// Returns whether the file does not exist, is empty, or starts like the table of a sweep.
 fn is_table(path: &Path) -> bool {
     let Ok(file) = File::open(path) else { return !path.exists() };
     let mut line = Vec::new();
@@ -81,7 +81,7 @@ fn is_table(path: &Path) -> bool {
     })
 }
 
-/// Writes the rows (by case) as CSV and as HDF5.
+/// Writes the rows, ordered by case, as CSV and as HDF5.
 ///
 /// # Errors
 /// A file error.
@@ -95,10 +95,10 @@ pub(super) fn write_tables(csv: &Path, hdf5: &Path, plan: &Plan, rows: &[Row]) -
     csv.and(hdf5)
 }
 
-/// The names of the metrics, and their values row by row.
+/// Names of the metrics, and their values row by row.
 type Metrics<'a> = (&'a [String], &'a [Vec<&'a Value>]);
 
-/// Names first, then a comment with the SI units of the axes.
+/// Writes the CSV table: the names, a comment with the SI units of the axes, and one line per row.
 fn write_csv(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<'_>) -> Result<()> {
     let failed = |e: csv::Error| Error::file(path, e);
     let mut csv = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
@@ -134,7 +134,7 @@ fn shown(value: &Value) -> String {
     }
 }
 
-/// Over the axes where their product is complete, otherwise over the cases.
+/// Writes the HDF5 table: over the axes if all cases of their product are present, otherwise over the cases.
 fn write_hdf5(path: &Path, plan: &Plan, rows: &[Row], (names, metrics): Metrics<'_>) -> Result<()> {
     let gridded = plan.combine == Combine::Product && rows.len() == plan.cases();
     let axis = |k: usize| {
@@ -168,12 +168,12 @@ fn column(name: &str, units: &str, values: Values) -> SweepColumn {
     SweepColumn { name: name.to_owned(), units: units.to_owned(), values }
 }
 
-/// As in the attribute `units`.
+/// Returns the unit of a metric as for the attribute `units`.
 fn unit_of(metric: &str) -> String {
     dimension_of(metric).spaced_symbol()
 }
 
-/// Numbers (not a number where there is no value), or texts where one of them is a text.
+/// Converts values to numbers (NaN if there is no value), or to texts if one of them is a text.
 fn values_of(values: Vec<&Value>) -> Values {
     if values.iter().any(|value| value.is_string()) {
         return Values::Texts(values.into_iter().map(shown).collect());

@@ -1,4 +1,4 @@
-//! The cases of a tension-impact test.
+//! Cases of a tension-impact test.
 
 use std::path::Path;
 
@@ -12,22 +12,22 @@ use crate::scene::{Problem, Scene};
 use crate::study::critical::critical;
 use crate::study::sweep::{Axis, Combine, Level, Sweep};
 
-/// Velocities of a test that names none: so many, at odd multiples of a fortieth of the critical velocity.
+/// Number of default impact velocities. They are the odd multiples 3, 5, ... of 1/40 of the critical velocity.
 const VELOCITIES: usize = 27;
 
-/// A run lasts until the mean strain would be that of the curve's maximum, with this margin, and so many transits of the elastic wave longer,
-/// in which the pieces unload.
+/// A run ends at `MARGIN` times the time at which the mean strain would equal the strain at the maximum of the curve, plus `TRANSITS` elastic transit
+/// times, in which the fragments unload.
 const MARGIN: f64 = 1.05;
 const TRANSITS: f64 = 8.0;
 
-/// Figures that a test takes from the summary of every case.
+/// Metrics read from the summary of every case. The results refer to them by their position in this list.
 pub(super) const METRICS: [&str; 5] =
     ["permanent_elongation_m", "energy_absorbed_J", "ruptures.0.x_m", "ruptures.0.time_s", "ruptures.0.site"];
 
-/// Stands for the file of the scene of a specimen.
+/// File name used in messages for the generated scene of a specimen.
 pub const SPECIMEN: &str = "specimen";
 
-/// The end of the specimen that is not struck.
+/// Condition of the end of the specimen that is not struck.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum FarEnd {
     /// It does not move.
@@ -43,18 +43,18 @@ pub struct Specimen<'a> {
     pub material: &'a str,
     /// Gauge length.
     pub length: &'a str,
-    /// Diameter of the section.
+    /// Diameter of the cross-section.
     pub diameter: &'a str,
-    /// What holds it.
+    /// Condition of the far end.
     pub far_end: FarEnd,
-    /// Cells of the grid.
+    /// Number of grid cells.
     pub cells: usize,
 }
 
-/// A test: its cases, and what the curve of its material says.
+/// A tension-impact test: its cases, and the critical values from the curve of its material.
 #[derive(Debug)]
 pub struct Test {
-    /// Its cases.
+    /// Sweep with one case per impact velocity.
     pub sweep: Sweep,
     /// Name of the struck material.
     pub material: String,
@@ -62,21 +62,21 @@ pub struct Test {
     pub length: f64,
     /// Elastic transit time, s.
     pub transit: f64,
-    /// Impact velocities, m/s, one a case, increasing.
+    /// Impact velocities, m/s, increasing, one per case.
     pub velocities: Vec<f64>,
-    /// Which curve that is: `static`, or `adiabatic` with heat.
+    /// Curve used for `critical_velocity` and `static_elongation`: `static`, or `adiabatic` for a material with heating.
     pub curve: &'static str,
-    /// Of the curve, m/s.
+    /// Critical velocity of the curve, m/s.
     pub critical_velocity: f64,
-    /// Plastic strain at the maximum of the curve: the elongation over the gauge length of a test without waves.
+    /// Plastic strain at the maximum of the curve, which is the elongation over the gauge length in a test without waves.
     pub static_elongation: f64,
 }
 
 impl Specimen<'_> {
-    /// The scene that a test varies.
+    /// Returns the scene that the test varies.
     pub fn scene(&self) -> Document {
         let material = Value::from(self.material).to_string();
-        // A plain number is in SI, as everywhere on the command line.
+        // A plain number is in SI units, as everywhere on the command line.
         let quantity =
             |text: &str| text.trim().parse::<f64>().map_or_else(|_| Value::from(text), Value::from).to_string();
         let [length, diameter] = [self.length, self.diameter].map(quantity);
@@ -93,10 +93,11 @@ impl Specimen<'_> {
 }
 
 impl Test {
-    /// A test of a specimen, or of the bar of a scene; `velocities` is a list or a range as on the axis of a sweep.
+    /// Creates the test of a specimen or of the bar of a scene. `velocities` is a list or a range, as on the axis of a sweep.
     ///
     /// # Errors
-    /// Input errors: a scene that cannot break at an end that is pulled, velocities that are none.
+    /// Input errors: the left end of the scene is not pulled, the scene does not simulate fracture, the material has no critical velocity, or a value
+    /// in `velocities` is not an impact velocity.
     pub fn new(document: Document, path: &Path, velocities: Option<&Value>) -> Result<Self> {
         let scene = match Problem::of_document(&document, path, &[])? {
             Problem::Bar(scene) => scene,
@@ -139,7 +140,7 @@ impl Test {
     }
 }
 
-/// The left end is pulled, and the bar can break.
+/// Refuses a scene whose left end is not pulled or that does not simulate fracture.
 fn check(scene: &Scene) -> Result<()> {
     let wrong = |key: &str, message: &str, help: &str| Err(InputError::new(message).key(key).help(help).into());
     if !matches!(scene.left, EndCondition::Velocity { .. }) {
@@ -155,17 +156,17 @@ fn check(scene: &Scene) -> Result<()> {
     Ok(())
 }
 
-/// Velocities below and above the critical one, m/s; none is the critical one itself.
+/// Returns the default velocities below and above the critical velocity, m/s. None of them equals the critical velocity.
 fn around(critical: f64) -> Vec<f64> {
     (1..=VELOCITIES).map(|k| rounded(critical * (2 * k + 1) as f64 / 40.0)).collect()
 }
 
-/// Six digits.
+/// Rounds to six significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
-/// Increasing velocities of a list or range, m/s.
+/// Returns the velocities of a list or range in increasing order without duplicates, m/s.
 fn positive(given: &Value) -> Result<Vec<f64>> {
     let wrong = |message: String| {
         let error = InputError::new(message).key("velocities").allowed("velocities > 0");

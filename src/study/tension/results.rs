@@ -11,64 +11,65 @@ use crate::record::Field;
 use crate::record::store::{ResultFile, SweepColumn, SweepFile, Values, write_sweep};
 use crate::study::sweep::{Row, case_file, rows};
 
-/// One impact.
+/// Result of one impact.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// Impact velocity.
     pub velocity_m_s: f64,
-    /// As in the table of a sweep: `rupture`, `done` (no fracture occurred), `stopped`, `refused`.
+    /// Status as in the table of a sweep: `rupture`, `done` (no fracture occurred), `stopped`, `refused`.
     pub status: &'static str,
-    /// Why it was stopped or refused.
+    /// Reason why the case was stopped or refused; empty otherwise.
     pub reason: String,
-    /// Plastic elongation of all pieces, as a part of the gauge length; none where no fracture occurred.
+    /// Plastic elongation of all fragments, relative to the gauge length; `None` if no fracture occurred.
     pub elongation: Option<f64>,
-    /// Energy absorbed by plastic flow and fracture, J; none where no fracture occurred.
+    /// Energy absorbed by plastic flow and fracture, J; `None` if no fracture occurred.
     #[serde(rename = "energy_absorbed_J")]
     pub energy: Option<f64>,
-    /// First place of fracture, from the struck end.
+    /// Position of the first fracture, measured from the struck end.
     pub fracture_position_m: Option<f64>,
-    /// When it broke there.
+    /// Time of the first fracture.
     pub fracture_time_s: Option<f64>,
-    /// The first fracture is at the struck end.
+    /// Whether the first fracture is at the struck end.
     pub at_struck_end: bool,
-    /// It is, and no wave has come back from the far end before: the bar cannot take up the velocity.
+    /// Whether the first fracture is at the struck end and occurs before a wave has returned from the far end. The bar then cannot sustain the
+    /// velocity.
     pub at_once: bool,
-    /// Plastic strain along the specimen at the end, at [`Results::x`].
+    /// Plastic strain along the specimen at the end of the run, at [`Results::x`].
     #[serde(skip)]
     pub residual_strain: Vec<f64>,
 }
 
-/// All impacts.
+/// Results of all impacts of a test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Results {
     /// Name of the material.
     pub material: String,
     /// Gauge length.
     pub length_m: f64,
-    /// The curve of the next two: `static`, or `adiabatic` with heat.
+    /// Curve used for the next two values: `static`, or `adiabatic` for a material with heating.
     pub curve: &'static str,
-    /// Of the curve.
+    /// Critical velocity of the curve.
     pub critical_velocity_m_s: f64,
     /// Plastic strain at the maximum of the curve.
     pub static_elongation: f64,
-    /// Largest elongation, as a part of the gauge length, and its velocity.
+    /// Largest elongation, relative to the gauge length.
     pub largest_elongation: Option<f64>,
-    /// See `largest_elongation`.
+    /// Impact velocity of the largest elongation.
     pub velocity_of_largest_elongation_m_s: Option<f64>,
-    /// All bars that are struck with the second velocity or faster break at the struck end at once, and that of the first velocity does not;
-    /// none where there are no two such velocities.
+    /// Interval that contains the critical velocity. At the second velocity and at all higher ones the bar fractures immediately at the struck end;
+    /// at the first velocity it does not. `None` if there are no two such velocities.
     pub critical_between_m_s: Option<[f64; 2]>,
-    /// By velocity.
+    /// Results of the impacts, ordered by velocity.
     pub points: Vec<Point>,
-    /// Places of the residual strains, m from the struck end.
+    /// Positions of the residual strains, m from the struck end.
     #[serde(skip)]
     pub x: Vec<f64>,
 }
 
-/// Gathers the cases of a test from its folder; cases without a row are left out.
+/// Collects the results of the cases in the folder of a test. Cases without a row are omitted.
 ///
 /// # Errors
-/// Files that cannot be read.
+/// A file cannot be read.
 pub fn results(test: &Test, folder: &Path) -> Result<Results> {
     let (mut points, mut x) = (Vec::new(), Vec::new());
     for row in rows(folder)? {
@@ -115,7 +116,7 @@ fn point(test: &Test, row: Row, residual_strain: Vec<f64>) -> Point {
     }
 }
 
-/// Places and plastic strains of a case at its end; empty where it has none.
+/// Returns the positions and plastic strains of a case at the end of its run; both are empty if the case has no result file or no frames.
 fn profile(folder: &Path, row: &Row) -> Result<(Vec<f64>, Vec<f64>)> {
     let path = case_file(folder, row.case);
     if !path.exists() {
@@ -129,7 +130,7 @@ fn profile(folder: &Path, row: &Row) -> Result<(Vec<f64>, Vec<f64>)> {
     Ok((file.x()?, file.field(Field::PlasticStrain, frames - 1..frames)?.row(0).to_vec()))
 }
 
-/// Name, unit and value of every number of a point.
+/// Name, unit and accessor of a numerical value of a [`Point`].
 type Number = (&'static str, &'static str, fn(&Point) -> Option<f64>);
 const NUMBERS: [Number; 6] = [
     ("elongation", "1", |p| p.elongation),
@@ -140,7 +141,7 @@ const NUMBERS: [Number; 6] = [
     ("at_once", "1", |p| Some(f64::from(p.at_once))),
 ];
 
-/// Writes a row a velocity as CSV; numbers that do not exist are empty.
+/// Writes a CSV file with one row per velocity. Missing values are empty.
 ///
 /// # Errors
 /// A file error.
@@ -157,7 +158,7 @@ pub fn write_csv(path: &Path, results: &Results) -> Result<()> {
     write_whole(path, &csv.into_inner().map_err(|e| Error::file(path, e.into_error()))?)
 }
 
-/// Writes an HDF5 file with the velocities as coordinate, and the residual strain over velocity and place.
+/// Writes an HDF5 file with the velocity as coordinate, and the residual strain as a function of velocity and position.
 ///
 /// # Errors
 /// A file error.

@@ -1,10 +1,10 @@
-//! The Riemann problem whose answer is elastic on both sides, inside one medium: most of those that fronts in a bar pose.
+//! Riemann problems inside one medium whose solution is elastic on both sides. Most interactions of fronts in a bar are of this kind.
 
 use super::medium::{Flow, Medium, Point};
 use super::path::Emitted;
 
 impl Medium {
-    /// True where a change from a point's stress to `stress` (Pa) is elastic, and not by rounding alone.
+    /// Returns true if a change from a point's stress to `stress` (Pa) is elastic by more than rounding.
     fn stays_elastic(&self, point: &Point, stress: f64) -> bool {
         match self.flow {
             Flow::PathIndependent => {
@@ -19,21 +19,21 @@ impl Medium {
         }
     }
 
-    /// What two points of this medium, side by side, send into each other (in -x, and in +x) where that is one elastic wave or none; none where
-    /// one of them leaves the elastic line, and in overlays.
+    /// Returns the elastic waves that two adjacent points of this medium emit into each other (in -x, and in +x), each at most one. Returns `None` if
+    /// one of the points leaves the elastic line, and for overlays.
     pub fn elastic_waves(&self, left: &Point, right: &Point) -> Option<[Emitted; 2]> {
         let impedance = self.impedance();
         let stress = 0.5 * (left.stress + right.stress) + 0.5 * impedance * (right.velocity - left.velocity);
         let behind = |point: &Point, direction: f64| {
             let change = stress - point.stress;
-            // A wave within rounding is not sent.
+            // A wave within rounding is not emitted.
             if change.abs() <= self.round_off {
                 return *point;
             }
             Point { stress, velocity: point.velocity - direction * change / impedance, ..*point }
         };
         let elastic = self.stays_elastic(left, stress) && self.stays_elastic(right, stress);
-        // To the last bit the speed of waves along paths: two fronts close to each other stay as far apart as they are.
+        // Computed as for waves along paths, to the last bit: the distance of two fronts close to each other then stays constant.
         let speed = 1.0 / (self.density * (1.0 / impedance));
         elastic.then(|| [(left, -1.0), (right, 1.0)].map(|(point, way)| Emitted { speed, behind: behind(point, way) }))
     }
@@ -52,7 +52,7 @@ mod tests {
         Medium::new([&table, &table], 2e11, 7800.0, 1e-4, flow, 1e-5)
     }
 
-    /// Points that have flowed or not, at stresses within their elastic range.
+    /// Returns points that have flowed or not, at stresses within their elastic range.
     fn points(medium: &Medium) -> Vec<Point> {
         let (flowed, kinematic) = match medium.flow {
             Flow::Plastic { kinematic } => (vec![(0.0, 1.0), (1e9, 1.0), (8e9, -1.0)], kinematic),
@@ -73,7 +73,7 @@ mod tests {
         points
     }
 
-    /// The states behind the waves of the general problem.
+    /// Returns the states behind the waves of the general problem.
     fn solved(medium: &Medium, left: &Point, right: &Point) -> [Point; 2] {
         let (mut work, mut sent) = (Workspace::default(), Vec::new());
         let star = solve(Side::Bar(medium, left), Side::Bar(medium, right), &mut work);
@@ -91,7 +91,7 @@ mod tests {
                 let general = solved(&medium, left, right);
                 let flow = general[0].plastic - left.plastic + right.plastic - general[1].plastic;
                 let Some(waves) = medium.elastic_waves(left, right) else {
-                    // Up to the yield stress, where rounding decides.
+                    // At the yield stress rounding decides.
                     let at_yield = |point: &Point| medium.stays_elastic(point, general[0].stress);
                     assert!(flow != 0.0 || !at_yield(left) || !at_yield(right), "{left:?} {right:?}");
                     continue;

@@ -1,57 +1,57 @@
-//! The Riemann problem between two cells of one medium, as grid solvers ask it at every face and step: quick where it
-//! is simple, [`solve`] where it is not.
+//! Riemann problem between two cells of one medium, as grid solvers pose it at every face and step. Simple cases are solved by fast
+//! formulas, all others by [`solve`].
 //!
-//! - Both sides reach the answer elastically: the acoustic one, two impedances of one kind.
-//! - Elastic unloading beside plastic flow, slopes falling along the curve: a walk over the few lines between the states.
-//! - A curve that is followed both ways, slopes falling along it: loading is a fan (a sum over lines), unloading one
-//!   shock (a chord); the stress at which both meet is found by Newton's method inside a bracket.
-//! - Anything else (stiffening curves and their hulls, unloading across zero stress, level curves): [`solve`].
+//! - Both sides stay elastic: the acoustic solution for two equal impedances.
+//! - Elastic unloading next to plastic flow, with falling slopes along the curve: a walk over the few lines between the states.
+//! - Path-independent curve with falling slopes: loading is a fan (a sum over lines), unloading a single
+//!   shock (a chord). The stress at which both meet is found by Newton's method inside a bracket.
+//! - All other cases (stiffening curves and their hulls, unloading across zero stress, level curves): [`solve`].
 
 use super::medium::{Flow, Lines, Medium, Point};
 use super::{Side, Workspace, solve};
 use crate::law::Reversals;
 
-/// Tangent modulus over E up to which a stretch of a curve counts as level: plastic waves run there at most at 3 % of the
+/// Tangent modulus over E up to which a segment of a curve counts as level: plastic waves travel there at most at 3 % of the
 /// elastic speed.
 const LEVEL: f64 = 1e-3;
 
-/// State of a cell's material at one of its faces.
+/// State of the material of a cell at one of its faces.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FaceState {
-    /// Stress and velocity at the face, history of the cell. A curve that is followed both ways has its strain there.
+    /// Stress and velocity at the face, and history of the cell. For path-independent flow, also the strain at the face.
     pub point: Point,
-    /// The cell flows, in this sense (+1 tension, -1 compression): its stress at the face lies on the curve, too. 0 where
+    /// Sense in which the cell flows (+1 tension, -1 compression): its stress at the face then lies on the curve, too. 0 if
     /// it does not flow.
     pub flowing: f64,
-    /// Of elements in parallel: what the cell remembered at the start of the step.
+    /// For elements in parallel: the reversals of the cell at the start of the step.
     pub reversals: Reversals,
 }
 
 /// Stress (Pa) and velocity (m/s) at a face.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Flux {
-    /// Pa, tension positive.
+    /// Stress, Pa, tension positive.
     pub stress: f64,
-    /// m/s, positive in +x.
+    /// Velocity, m/s, positive in +x.
     pub velocity: f64,
 }
 
 /// A line of a curve: stress is `offset + slope * z`, z = E times strain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Straight {
-    /// z at its start and its end (infinite where it has none), Pa.
+    /// z at its start, Pa.
     pub start: f64,
-    /// Pa.
+    /// z at its end, Pa; infinite if the line has no end.
     pub end: f64,
-    /// Pa.
+    /// Stress at z = 0, Pa.
     pub offset: f64,
     /// d stress/dz.
     pub slope: f64,
-    /// 1/(rho c), m/(s Pa); infinite where it is level.
+    /// 1/(rho c), m/(s Pa); infinite if the line is level.
     pub compliance: f64,
 }
 
-/// A medium with what its faces need.
+/// A medium with precomputed data for its faces.
 #[derive(Debug, Clone)]
 pub struct Faces {
     /// The medium.
@@ -59,27 +59,27 @@ pub struct Faces {
     /// Half of rho c0, and half of its reciprocal.
     half_impedance: f64,
     half_compliance: f64,
-    /// Slopes fall along both curves.
+    /// Whether slopes fall along both curves.
     concave: bool,
     /// Velocity change from zero stress to the start of every line, m/s.
     reach: [Vec<f64>; 2],
-    /// The curves in tension and compression are one.
+    /// Whether the curves in tension and compression are the same.
     alike: bool,
 }
 
-/// A side that loads along the curve in one sense: elastic up to its limit, then along the lines.
+/// Loading path of a side in one sense: elastic up to its limit, then along the lines of the curve.
 struct LoadingPath<'a> {
     lines: &'a Lines,
     own: f64,
     limit: f64,
     line: usize,
-    /// Stress of the path over the curve's at the same place, Pa.
+    /// Stress of the path minus that of the curve at the same strain, Pa.
     shift: f64,
     elastic: bool,
 }
 
 impl LoadingPath<'_> {
-    /// Where the present straight piece ends.
+    /// Returns the stress at the end of the current linear piece, Pa.
     fn next(&self) -> f64 {
         if self.elastic {
             return self.limit;
@@ -103,7 +103,7 @@ impl LoadingPath<'_> {
 }
 
 impl Faces {
-    /// Of a medium.
+    /// Precomputes the data for the faces of a medium.
     pub fn new(medium: Medium) -> Self {
         let impedance = medium.impedance();
         let falls = |lines: &Lines| lines.slope.windows(2).all(|pair| pair[1] <= pair[0]);
@@ -126,12 +126,12 @@ impl Faces {
         }
     }
 
-    /// The smaller elastic limit of first loading, Pa.
+    /// Returns the smaller elastic limit of first loading, Pa.
     pub fn yield_stress(&self) -> f64 {
         self.medium.lines(1.0).first_yield.min(self.medium.lines(-1.0).first_yield)
     }
 
-    /// The answer where both sides stay elastic. Kernels that compute it for themselves use the same form, and so get the
+    /// Returns the solution if both sides stay elastic. Kernels with their own implementation use the same form, and so obtain the
     /// same bits.
     #[inline(always)]
     pub fn acoustic(half_impedance: f64, half_compliance: f64, left: Flux, right: Flux) -> Flux {
@@ -141,13 +141,13 @@ impl Faces {
         }
     }
 
-    /// Halves of the elastic impedance and compliance, as [`Faces::acoustic`] takes them.
+    /// Returns the halves of the elastic impedance and compliance, for [`Faces::acoustic`].
     pub fn halves(&self) -> [f64; 2] {
         [self.half_impedance, self.half_compliance]
     }
 
-    /// Stress and velocity at a face between two states of this medium. Where a level curve caps the stress, the velocity
-    /// is the mean of both sides'.
+    /// Returns stress and velocity at a face between two states of this medium. If a level curve caps the stress, the velocity
+    /// is the mean of both sides.
     pub fn solve(&self, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
         match self.medium.flow {
             Flow::Plastic { kinematic } => self.plastic(kinematic, left, right, work),
@@ -160,7 +160,7 @@ impl Faces {
         Self::acoustic(self.half_impedance, self.half_compliance, left.flux(), right.flux())
     }
 
-    /// True where the side comes to this stress elastically.
+    /// Returns true if the side reaches this stress elastically.
     pub fn stays_elastic(&self, near: &FaceState, stress: f64) -> bool {
         let sense = if stress < near.point.stress { -1.0 } else { 1.0 };
         if self.medium.flow == Flow::Overlay {
@@ -201,7 +201,7 @@ impl Faces {
         self.general(left, right, work)
     }
 
-    /// The path of a side in a sense.
+    /// Returns the loading path of a side in a sense.
     fn loading_path(&self, near: &FaceState, sense: f64, kinematic: f64) -> LoadingPath<'_> {
         let lines = self.medium.lines(sense);
         let own = sense * near.point.stress;
@@ -214,7 +214,7 @@ impl Faces {
         LoadingPath { lines, own, limit: own, line, shift: limit - y, elastic: true }
     }
 
-    /// The line on which the curve has stress y, coming from `line`; on a level one it stays.
+    /// Returns the line on which the curve has stress y, searched from `line`. A level line is not left.
     fn line_at(&self, lines: &Lines, mut line: usize, y: f64) -> usize {
         while line > 0 && y < lines.y[line] - self.medium.round_off {
             line -= 1;
@@ -225,7 +225,8 @@ impl Faces {
         line
     }
 
-    /// Both paths run in one sense; none where the answer lies past what a walk over falling slopes finds.
+    /// Finds the solution by walking along two paths of the same sense. Returns `None` if the walk enters a part of the curve where slopes may
+    /// increase.
     fn walk(
         &self,
         sense: f64,
@@ -243,7 +244,7 @@ impl Faces {
             let next = a.next().min(b.next());
             let soft = soft_a + soft_b;
             if soft == f64::INFINITY {
-                // A level end caps the stress; past a level stretch inside the curve the hull goes on.
+                // A level end caps the stress; after a level segment inside the curve the hull continues.
                 if !self.concave {
                     return None;
                 }
@@ -269,7 +270,8 @@ impl Faces {
         Some(Flux { stress: sense * stress, velocity: 0.5 * (from_left + from_right) })
     }
 
-    /// The history of a side that flows, or whose slope takes its stress at the face past its limit, moved along the curve to where that stress is.
+    /// Returns the state of a side with its history moved along the curve to its stress at the face. This applies if the side flows, or if its slope
+    /// lifts the stress at the face above the elastic limit.
     fn moved_along(&self, near: &FaceState, kinematic: f64) -> Point {
         let mut point = near.point;
         let flows = near.flowing != 0.0;
@@ -313,7 +315,7 @@ impl Faces {
         self.general(left, right, work)
     }
 
-    /// A state within rounding of a level stretch of the curve lies on it.
+    /// Returns the state, moved onto a level segment of the curve if it lies within rounding of it.
     fn on_level(&self, point: &Point) -> Point {
         let z = point.stress + point.plastic;
         let sense = if z < 0.0 { -1.0 } else { 1.0 };
@@ -326,7 +328,7 @@ impl Faces {
         Point { stress, plastic: z - stress, ..*point }
     }
 
-    /// Both states and the answer lie on one line of the curve.
+    /// Returns the solution if both states and the solution lie on one line of the curve, else `None`.
     fn on_one_line(&self, sense: f64, left: &FaceState, right: &FaceState, z: [f64; 2]) -> Option<Flux> {
         let lines = self.medium.lines(sense);
         let line = lines.at(sense * z[0]);
@@ -339,8 +341,8 @@ impl Faces {
         (lines.y[line]..=end).contains(&(sense * flux.stress)).then_some(flux)
     }
 
-    /// Slopes fall along the curve and neither side crosses zero stress: whoever loads sends a fan, whoever unloads a
-    /// shock. None where the answer lies elsewhere.
+    /// Returns the solution for falling slopes along the curve if neither side crosses zero stress: a side that loads emits a fan, a side that
+    /// unloads a shock. Returns `None` for other solutions.
     fn fan_and_shock(&self, sense: f64, left: &FaceState, right: &FaceState, z: [f64; 2]) -> Option<Flux> {
         if !self.concave {
             return None;
@@ -364,7 +366,7 @@ impl Faces {
         Flux { stress: star.force / self.medium.area, velocity }
     }
 
-    /// A side as [`solve`] takes it: with the history that belongs to its stress.
+    /// Returns a side in the form that [`solve`] expects: with the history that belongs to its stress.
     pub fn placed(&self, near: &FaceState) -> FaceState {
         match self.medium.flow {
             Flow::Plastic { kinematic } => FaceState { point: self.moved_along(near, kinematic), ..*near },
@@ -373,7 +375,7 @@ impl Faces {
         }
     }
 
-    /// The line of the curve for a sense of stress (+1 tension, -1 compression) at z >= 0, in magnitudes.
+    /// Returns the line of the curve at z >= 0, in magnitudes, for a sense of stress (+1 tension, -1 compression).
     pub fn line(&self, sense: f64, z: f64) -> Straight {
         let lines = self.medium.lines(sense);
         let k = lines.at(z);
@@ -382,8 +384,9 @@ impl Faces {
         Straight { start, end, offset: lines.y[k] - slope * lines.z[k], slope, compliance: lines.compliance[k] }
     }
 
-    /// The line with this stress (Pa, in magnitude), which is `line` or the one behind it: stresses at its start and its end, Pa, and its compliance,
-    /// m/(s Pa). Where the curve does not rise along `line`, no stress tells how far the flow has come: that one, whose compliance is no finite number.
+    /// Returns the stresses at the start and the end, Pa, and the compliance, m/(s Pa), of the line with this stress (Pa, in magnitude), which is
+    /// `line` or the one that follows. If the curve does not rise along `line`, the stress does not tell how far the flow has advanced; `line` is
+    /// then returned, with its infinite compliance.
     pub(super) fn line_with(&self, sense: f64, stress: f64, line: usize) -> [f64; 3] {
         let lines = self.medium.lines(sense);
         let here = lines.stresses(line);
@@ -391,18 +394,18 @@ impl Faces {
         if compliance.is_finite() && stress > end { lines.stresses(line + 1) } else { here }
     }
 
-    /// The same of the line at z, Pa, in magnitude.
+    /// Returns the same data for the line at z, Pa, in magnitude.
     pub(super) fn line_at_strain(&self, sense: f64, z: f64) -> [f64; 3] {
         let lines = self.medium.lines(sense);
         lines.stresses(lines.at(z))
     }
 
-    /// sense * stress at which a point with this history starts to flow, Pa; infinite where it never does.
+    /// Returns sense * stress at which a point with this history starts to flow, Pa; infinite if it never does.
     pub fn limit(&self, accumulated: f64, back: f64, sense: f64) -> f64 {
         self.located(accumulated, back, sense).1
     }
 
-    /// The same in tension and compression, each with the line of the curve on which that is.
+    /// Returns the limits in tension and compression, each with the line of the curve on which it lies.
     pub fn limits(&self, accumulated: f64, back: f64) -> [(usize, f64); 2] {
         let tension = self.located(accumulated, back, 1.0);
         [tension, if self.alike && back == 0.0 { tension } else { self.located(accumulated, back, -1.0) }]
@@ -416,8 +419,8 @@ impl Faces {
         }
     }
 
-    /// E times the strains (of a curve followed both ways) or accumulated plastic strains from which the curve is level or falls, in tension and
-    /// compression, Pa; infinite where it rises throughout.
+    /// Returns E times the strain (path-independent flow) or accumulated plastic strain from which on the curve is level or falls, in tension and
+    /// compression, Pa; infinite if it rises throughout.
     pub fn levels(&self) -> [f64; 2] {
         [1.0, -1.0].map(|sense| {
             let lines = self.medium.lines(sense);
@@ -426,13 +429,13 @@ impl Faces {
         })
     }
 
-    /// How far along the curve its knot `k` is: E times the strain where it is followed both ways, else the plastic strain, Pa.
+    /// Returns the position of knot `k` along the curve: E times the strain for path-independent flow, else E times the plastic strain, Pa.
     fn along(&self, lines: &Lines, k: usize) -> f64 {
         lines.z[k] - if self.medium.flow == Flow::PathIndependent { 0.0 } else { lines.y[k] }
     }
 
-    /// A flowing side before it gained `gained` (Pa, >= 0) along the curve, moved along its own wave: the Riemann problem has
-    /// the same answer, but for one that lies below what it started from. `outward` is +1 for the left side, -1 for the right.
+    /// Returns a flowing side moved back along its own wave, to the state before its stress increased by `gained` (Pa, >= 0) along the curve. The
+    /// Riemann problem has the same solution, unless that lies below the stress moved back to. `outward` is +1 for the left side, -1 for the right.
     pub fn before(&self, near: FaceState, gained: f64, outward: f64, work: &mut Workspace) -> FaceState {
         let kinematic = match self.medium.flow {
             Flow::Plastic { kinematic } => kinematic,
@@ -445,7 +448,7 @@ impl Faces {
         let top = y + sense * point.stress - (sense * point.back + lines.half_range(y, kinematic));
         let (from, to) = (self.moved(sense, top - gained, line), self.moved(sense, top, line));
         let change = to.0 - from.0;
-        // A shock is not taken back by halves.
+        // A shock cannot be undone in part.
         if !change.is_finite() || !(self.concave || from.1 == to.1) {
             return near;
         }
@@ -457,8 +460,8 @@ impl Faces {
         FaceState { point, ..near }
     }
 
-    /// Velocity change along the curve from zero stress to y, and the line on which that is, looked for from `line` on. Within rounding above
-    /// a knot y is at the knot: the line that follows may be level, and no velocity brings a rise along it.
+    /// Returns the velocity change along the curve from zero stress to y, m/s, and the line of y, searched from `line`. A y within rounding above
+    /// a knot counts as the knot: the line that follows may be level, and no velocity produces a rise along it.
     fn moved(&self, sense: f64, y: f64, mut line: usize) -> (f64, usize) {
         let lines = self.medium.lines(sense);
         let at_knot = y - self.medium.round_off;
@@ -472,8 +475,8 @@ impl Faces {
         (self.reach[side(sense)][line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 }, line)
     }
 
-    /// E times the strains (of a curve followed both ways) or plastic strains beyond which the curve stiffens, in tension and compression,
-    /// Pa; by rounding more, so that what comes to rest at a knot has not passed it.
+    /// Returns E times the strains (path-independent flow) or plastic strains beyond which the curve stiffens, in tension and compression,
+    /// Pa. They are increased by rounding, so that a point at rest at a knot has not passed it.
     pub fn stiffenings(&self) -> [Vec<f64>; 2] {
         [1.0, -1.0].map(|sense| {
             let lines = self.medium.lines(sense);
@@ -493,18 +496,18 @@ fn side(sense: f64) -> usize {
     usize::from(sense < 0.0)
 }
 
-/// Both paths are past their limits at once and on one line.
+/// Returns true if both paths are beyond their limits from the start and lie on one line.
 fn one_line(a: &LoadingPath, b: &LoadingPath) -> bool {
     a.limit == a.own && b.limit == b.own && a.line == b.line && a.shift == b.shift
 }
 
-/// What a state on a curve that is followed both ways sends, in magnitudes of stress.
+/// Waves emitted by a state on a path-independent curve, in magnitudes of stress.
 struct Branch<'a> {
     lines: &'a Lines,
     reach: &'a [f64],
     own: f64,
     z: f64,
-    /// Velocity change from zero stress to its own.
+    /// Velocity change from zero stress to the stress of the state, m/s.
     base: f64,
     impedance2: f64,
 }
@@ -513,16 +516,16 @@ impl<'a> Branch<'a> {
     fn new(faces: &'a Faces, sense: f64, own: f64, z: f64) -> Self {
         let (lines, reach) = (faces.medium.lines(sense), &faces.reach[side(sense)]);
         let line = lines.at(z.max(0.0));
-        // Within rounding a state may lie above a level stretch.
+        // Within rounding, a state may lie above a level segment.
         let rise = if lines.slope[line] > 0.0 { own - lines.y[line] } else { 0.0 };
         let base = reach[line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 };
         Self { lines, reach, own, z, base, impedance2: faces.medium.modulus * faces.medium.density }
     }
 
-    /// Velocity change on the way to `stress`, and its derivative.
+    /// Returns the velocity change on the way to `stress`, and its derivative.
     fn change(&self, stress: f64) -> (f64, f64) {
         let lines = self.lines;
-        // At a knot the line below it: the one above may be level.
+        // At a knot, the line below it is used: the one above may be level.
         let line = lines.y.partition_point(|&y| y < stress).max(1) - 1;
         let (compliance, slope) = (lines.compliance[line], lines.slope[line]);
         let rise = stress - lines.y[line];
@@ -538,10 +541,10 @@ impl<'a> Branch<'a> {
     }
 }
 
-/// Steps of Newton's method, with halvings where it leaves its bracket. They double the digits, so few are ever needed.
+/// Largest number of Newton steps, or bisections where a step leaves the bracket. Newton steps double the digits, so few are ever needed.
 const MOST_STEPS: usize = 80;
 
-/// The stress in 0..cap at which both changes add up to `target`; none where there is none.
+/// Returns the stress in 0..cap at which both velocity changes add up to `target`. `None` if there is none.
 fn intersection(a: &Branch, b: &Branch, target: f64, cap: f64) -> Option<f64> {
     let total = |stress: f64| {
         let ((first, steep_first), (second, steep_second)) = (a.change(stress), b.change(stress));
@@ -565,7 +568,7 @@ fn intersection(a: &Branch, b: &Branch, target: f64, cap: f64) -> Option<f64> {
         if step.abs() <= resolution {
             return (next >= 0.0 && next <= cap).then_some(next);
         }
-        // The bracket's ends themselves are tried once each: there the answer may lie elsewhere.
+        // The ends of the bracket are tested before bisection: the solution may lie outside of it.
         if next.partial_cmp(&low) != Some(std::cmp::Ordering::Greater) || next >= high {
             let (at_zero, at_cap) = (low == 0.0 && step < 0.0, high == cap && step > 0.0);
             if (at_zero && total(0.0).0 > 0.0) || (at_cap && (cap.is_infinite() || total(cap).0 < 0.0)) {

@@ -1,25 +1,25 @@
-//! What the Riemann problem needs to know of a bar's material and section, and the state of one of its points.
+//! Material and section of a bar, and the state of one of its points, as needed by the Riemann problem.
 
 use serde::{Deserialize, Serialize};
 
 use crate::law::{Backbone, Deformed, PieceIndex, Table};
 
-/// How a point that has yielded behaves when its stress falls back.
+/// Flow rule: behaviour of a yielded point when its stress decreases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Flow {
-    /// sigma = f(eps) both ways.
+    /// sigma = f(eps) in loading and unloading.
     PathIndependent,
-    /// Elastic unloading; this fraction (0 to 1) of the hardening moves the elastic range, the rest widens it.
+    /// Elastic unloading; the fraction `kinematic` (0 to 1) of the hardening moves the elastic range, the rest widens it.
     Plastic {
-        /// 0 isotropic, 1 kinematic. With different curves in tension and compression only 0 has a meaning.
+        /// 0 isotropic, 1 kinematic. Must be 0 if the curves in tension and compression differ.
         kinematic: f64,
     },
-    /// Elements in parallel, by their open reversals: kinematic hardening along a curve whose slopes fall, the same in
+    /// Elements in parallel, described by their open reversals: kinematic hardening along a curve whose slopes fall, the same in
     /// tension and compression, see [`crate::law::Overlay`].
     Overlay,
 }
 
-/// State of a point of the bar. Strains are times E, so all but velocity and work are in Pa.
+/// State of a point of the bar. Strains are multiplied by E, so all quantities except velocity and work are in Pa.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Stress, Pa, tension positive.
@@ -30,19 +30,19 @@ pub struct Point {
     pub accumulated: f64,
     /// E times the signed plastic strain; in path-independent flow, `E eps - sigma`.
     pub plastic: f64,
-    /// Back stress: middle of the elastic range, as far as hardening is kinematic.
+    /// Back stress: middle of the elastic range, as far as hardening moves it.
     pub back: f64,
-    /// Energy per volume that is neither kinetic nor elastic (`sigma^2/(2E)`): plastic work and what shocks lose, J/m^3.
+    /// Energy per volume that is neither kinetic nor elastic (`sigma^2/(2E)`): plastic work and the dissipation of shocks, J/m^3.
     pub work: f64,
 }
 
 impl Point {
-    /// At rest in the sense of stress and history, moving with `velocity` (m/s).
+    /// Returns a point without stress and history that moves with `velocity` (m/s).
     pub fn moving(velocity: f64) -> Self {
         Self { velocity, ..Self::default() }
     }
 
-    /// This point and `factor` times another one, in all that is linear in x: the sum of two step functions there.
+    /// Returns this point plus `factor` times another one, in all variables. Used to superpose step functions.
     #[must_use]
     pub fn plus(&self, other: &Self, factor: f64) -> Self {
         Self {
@@ -55,8 +55,8 @@ impl Point {
         }
     }
 
-    /// True where two points have the same past: no contact needs to stay between them. Flow by the rounding of the medium is no difference, nor
-    /// is the work that this takes.
+    /// Returns true if two points have the same history, so that no contact discontinuity has to be kept between them. Flow within the rounding of
+    /// the medium, and its work, count as no difference.
     pub fn same_history(&self, other: &Self, medium: &Medium) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() <= medium.round_off.max(1e-13 * a.abs());
         let work = medium.round_off * self.stress.abs() / medium.modulus;
@@ -67,27 +67,27 @@ impl Point {
     }
 }
 
-/// A line along which the stress changes by less than this part of it is level: rounding of the stress would be a change of its plastic strain.
+/// Relative stress change of a line below which the line counts as level: rounding of the stress would otherwise change its plastic strain.
 const LEVEL: f64 = 1e-10;
 
-/// A loading table with what a path along it needs, one entry a line.
+/// A loading table with the data needed by paths along it, one entry per line.
 #[derive(Debug, Clone)]
 pub(super) struct Lines {
-    /// Start of the line, E times strain and stress, Pa.
+    /// E times the strain, and the stress, at the start of the line, Pa.
     pub z: Vec<f64>,
     pub y: Vec<f64>,
-    /// z - y at the start: E times the plastic strain of a point that first loads to there.
+    /// z - y at the start: E times the plastic strain of a point that first loads to the start, Pa.
     pub p: Vec<f64>,
-    /// dy/dz.
+    /// Slope dy/dz.
     pub slope: Vec<f64>,
-    /// 1/(rho c) of the line, m/(s Pa); infinite where it is level.
+    /// 1/(rho c) of the line, m/(s Pa); infinite if it is level.
     pub compliance: Vec<f64>,
-    /// Flow stress of first loading, Pa; infinite along a curve that never leaves the elastic line.
+    /// Yield stress of first loading, Pa; infinite for a curve that never leaves the elastic line.
     pub first_yield: f64,
-    /// Which of the lines from `plastic_from` on holds at an accumulated plastic strain, where they are many.
+    /// Index that finds the line, counted from `plastic_from`, at an accumulated plastic strain; `None` if there are few lines.
     index: Option<PieceIndex>,
     plastic_from: usize,
-    /// Which of all lines holds at z, likewise.
+    /// Index that finds the line at z, likewise.
     index_z: Option<PieceIndex>,
 }
 
@@ -97,14 +97,14 @@ impl Lines {
         let z: Vec<f64> = lines.iter().map(|l| l.start).collect();
         let mut y: Vec<f64> = lines.iter().map(|l| l.offset + l.slope * l.start).collect();
         let mut slope: Vec<f64> = lines.iter().map(|l| l.slope).collect();
-        // What follows a level stretch starts on it, to the last bit: no strain is long enough for a rise along it.
+        // A line that follows a level one must start exactly at its stress: no strain along the level line would reach a higher stress.
         for k in 1..y.len() {
             if (y[k] - y[k - 1]).abs() <= LEVEL * y[k] {
                 (slope[k - 1], y[k]) = (0.0, y[k - 1]);
             }
         }
         let compliance = slope.iter().map(|s| 1.0 / (density * modulus * s).sqrt()).collect();
-        // Summed, not z - y: an elastic line then adds exactly nothing.
+        // Summed instead of z - y, so that an elastic line adds exactly nothing.
         let mut p = vec![0.0; z.len()];
         for k in 1..z.len() {
             p[k] = p[k - 1] + (1.0 - slope[k - 1]) * (z[k] - z[k - 1]);
@@ -117,15 +117,15 @@ impl Lines {
         lines
     }
 
-    /// Both are one curve.
+    /// Returns true if both are the same curve.
     pub fn are(&self, other: &Self) -> bool {
         self.z == other.z && self.y == other.y && self.slope == other.slope
     }
 
-    /// Where a point with this accumulated plastic strain meets the table: line, z and y, Pa. On a stretch of
+    /// Returns the point of the table with this accumulated plastic strain: line, z and y, Pa. On a segment of
     /// elastic slope it is the far end.
     pub fn at_accumulated(&self, p: f64) -> (usize, f64, f64) {
-        // Rounding may leave a point that never flowed just below 0; the first, elastic line is not meant by that.
+        // Rounding may leave a point that never flowed just below 0, which must not select the first, elastic line.
         let p = p.max(0.0);
         let k = match &self.index {
             Some(index) => self.plastic_from + index.find(p) as usize,
@@ -139,25 +139,26 @@ impl Lines {
         (k, self.z[k] + beyond, self.y[k] + self.slope[k] * beyond)
     }
 
-    /// From the back stress to the limit of the elastic range, Pa, where isotropic hardening would have raised the flow stress to y (Pa) and this
-    /// part of it (0 to 1) moves the back stress instead; infinite along a curve that never leaves the elastic line.
+    /// Returns half the elastic range, Pa: the distance from the back stress to the elastic limit, if isotropic hardening would have raised the flow
+    /// stress to y (Pa) and the fraction `kinematic` (0 to 1) of that hardening moves the back stress instead. Infinite for a curve that never leaves
+    /// the elastic line.
     pub fn half_range(&self, y: f64, kinematic: f64) -> f64 {
         if y.is_finite() { y - kinematic * (y - self.first_yield) } else { y }
     }
 
-    /// Flow stress at this accumulated plastic strain less that of first loading, Pa; 0 along a curve that never leaves the elastic line.
+    /// Returns the flow stress at this accumulated plastic strain minus that of first yield, Pa; 0 for a curve that never leaves the elastic line.
     fn hardening_at(&self, p: f64) -> f64 {
         let rise = self.at_accumulated(p).2 - self.first_yield;
         if rise.is_finite() { rise } else { 0.0 }
     }
 
-    /// z >= 0 at which the stress y >= 0 is first reached; the last knot for one above a level end.
+    /// Returns the z >= 0 at which the stress y >= 0 is first reached; the last knot if y lies above a level end.
     pub fn z_at(&self, y: f64) -> f64 {
         let k = self.y.partition_point(|&start| start < y).max(1) - 1;
         self.z[k] + if self.slope[k] > 0.0 { (y - self.y[k]) / self.slope[k] } else { 0.0 }
     }
 
-    /// The line on which z >= 0 lies; at a knot the one behind it.
+    /// Returns the line at z >= 0; at a knot, the one that follows.
     pub fn at(&self, z: f64) -> usize {
         match &self.index_z {
             Some(index) => index.find(z) as usize,
@@ -165,7 +166,7 @@ impl Lines {
         }
     }
 
-    /// Of a line: stresses at its start and its end (infinite where it has none), Pa, and its compliance, m/(s Pa).
+    /// Returns the stresses at the start and the end of a line (infinite if it has no end), Pa, and its compliance, m/(s Pa).
     pub fn stresses(&self, line: usize) -> [f64; 3] {
         [self.y[line], self.y.get(line + 1).copied().unwrap_or(f64::INFINITY), self.compliance[line]]
     }
@@ -178,27 +179,27 @@ impl Backbone for Lines {
     }
 }
 
-/// Material, section and flow rule of a piece of bar.
+/// Material, section and flow rule of a section of a bar.
 #[derive(Debug, Clone)]
 pub struct Medium {
-    /// E, Pa.
+    /// Elastic modulus E, Pa.
     pub modulus: f64,
-    /// rho, kg/m^3.
+    /// Density rho, kg/m^3.
     pub density: f64,
-    /// A, m^2.
+    /// Cross-sectional area A, m^2.
     pub area: f64,
-    /// What happens when the stress falls back.
+    /// Flow rule.
     pub flow: Flow,
-    /// Stress differences below this (Pa) are rounding: no wave is sent for them.
+    /// Stress differences below this (Pa) count as rounding: no wave is emitted for them.
     pub round_off: f64,
-    /// Tension, compression.
+    /// Loading tables in tension and compression.
     pub(super) lines: [Lines; 2],
 }
 
 impl Medium {
-    /// From the loading tables in tension and compression (in units of stress, see [`Table`]).
+    /// Builds a medium from the loading tables in tension and compression (in units of stress, see [`Table`]).
     ///
-    /// `round_off` (Pa, >= 0) should lie a little above the rounding of the stresses that will occur.
+    /// `round_off` (Pa, >= 0) should be slightly above the rounding of the stresses that will occur.
     pub fn new(
         [tension, compression]: [&Table; 2],
         modulus: f64,
@@ -211,36 +212,36 @@ impl Medium {
         Self { modulus, density, area, flow, round_off, lines }
     }
 
-    /// Elastic wave speed, m/s.
+    /// Returns the elastic wave speed, m/s.
     pub fn c0(&self) -> f64 {
         (self.modulus / self.density).sqrt()
     }
 
-    /// Elastic impedance per area rho c0, Pa s/m.
+    /// Returns the elastic impedance per area, rho c0, Pa s/m.
     pub fn impedance(&self) -> f64 {
         (self.modulus * self.density).sqrt()
     }
 
-    /// Engineering strain of a point.
+    /// Returns the engineering strain of a point.
     pub fn strain(&self, point: &Point) -> f64 {
         (point.stress + point.plastic) / self.modulus
     }
 
-    /// All energy of a point, J/m^3: kinetic, elastic, and its work.
+    /// Returns the total energy of a point, J/m^3: kinetic, elastic, and `work`.
     pub fn energy(&self, point: &Point) -> f64 {
         let kinetic = 0.5 * self.density * point.velocity * point.velocity;
         kinetic + 0.5 * point.stress * point.stress / self.modulus + point.work
     }
 
-    /// True of a point that has never flowed; where the curve is followed both ways, of one that is on the elastic line, but for rounding.
+    /// Returns true if a point has never flowed. For path-independent flow: if it lies on the elastic line, up to rounding.
     pub fn is_on_elastic_line(&self, point: &Point) -> bool {
         let rounding = if self.flow == Flow::PathIndependent { self.round_off } else { 0.0 };
         point.plastic.abs() <= rounding && point.accumulated == 0.0
     }
 
-    /// How far a point is past what flow can bring about, Pa: its stress past its yield stress, or its back stress past
-    /// that of flow in one sense; not above 0 for any other. Where the curve is all the law, how far a point of the elastic line is past
-    /// the end of that line, and 0 for any other.
+    /// Returns the amount by which a point exceeds the states that flow can produce, Pa: that of its stress above its yield stress, or of its back
+    /// stress above that of flow in one sense. It is <= 0 for admissible states. For path-independent flow it is the amount by which a point of the
+    /// elastic line exceeds the end of that line, and 0 for other points.
     pub fn overstress(&self, point: &Point) -> f64 {
         let kinematic = match self.flow {
             Flow::PathIndependent if self.is_on_elastic_line(point) => {
@@ -259,26 +260,26 @@ impl Medium {
         over.max(point.back.abs() - back)
     }
 
-    /// sense * stress at which a point with this accumulated plastic strain (times E, Pa) and back stress (Pa) starts to flow, Pa, where this part
-    /// of the hardening (0 to 1) is kinematic; infinite where the curve never leaves its elastic line.
+    /// Returns sense * stress at which a point with this accumulated plastic strain (times E, Pa) and back stress (Pa) starts to flow, Pa, if the
+    /// fraction `kinematic` (0 to 1) of the hardening is kinematic; infinite for a curve that never leaves its elastic line.
     pub(super) fn limit(&self, accumulated: f64, back: f64, sense: f64, kinematic: f64) -> f64 {
         self.located(accumulated, back, sense, kinematic).1
     }
 
-    /// The same with the line of the curve on which that is.
+    /// Returns the line of the curve on which [`Self::limit`] lies, and the limit.
     pub(super) fn located(&self, accumulated: f64, back: f64, sense: f64, kinematic: f64) -> (usize, f64) {
         let lines = self.lines(sense);
         let (line, _, y) = lines.at_accumulated(accumulated);
         (line, sense * back + lines.half_range(y, kinematic))
     }
 
-    /// Signed plastic strain of a point.
+    /// Returns the signed plastic strain of a point.
     pub fn plastic_strain(&self, point: &Point) -> f64 {
         point.plastic / self.modulus
     }
 
-    /// A point at rest and without stress after slow loading and unloading, a back stress being that of first loading; of an overlay, and
-    /// where the curve is followed both ways, one that has never been loaded.
+    /// Returns a point at rest and without stress after slow loading and unloading. A back stress is that of first loading. For overlays and
+    /// path-independent flow, returns a point that has never been loaded.
     pub fn deformed(&self, &Deformed { plastic, accumulated, .. }: &Deformed) -> Point {
         let Flow::Plastic { kinematic } = self.flow else { return Point::default() };
         let sense = 1.0_f64.copysign(plastic);
@@ -287,7 +288,7 @@ impl Medium {
         Point { accumulated, plastic, back, ..Point::default() }
     }
 
-    /// Speed of a front between two points of this medium, m/s: `rho c^2 = [sigma]/[eps]`.
+    /// Returns the speed of a front between two points of this medium, m/s: `rho c^2 = [sigma]/[eps]`.
     pub fn front_speed(&self, a: &Point, b: &Point) -> f64 {
         let stress = a.stress - b.stress;
         (self.modulus / self.density * (stress / (stress + a.plastic - b.plastic))).sqrt()

@@ -1,19 +1,18 @@
-//! The Riemann problem of a bar: two states side by side, each with its own history, material and section.
+//! Riemann problem of a bar: two states side by side, each with its own history, material and section.
 //!
 //! Along a wave running in -x the stress changes by `d sigma = rho c dv`, in +x by `d sigma = -rho c dv`. With
 //! `phi(F)` the integral of `d sigma/(rho c)` from a state's own force to F along its own loading or unloading path,
-//! continuity of force and velocity asks for
+//! continuity of force and velocity requires
 //!
 //! ```text
 //! v_L + phi_L(F) = v_R - phi_R(F)
 //! ```
 //!
-//! phi rises with F. As long as slopes fall along both paths it is piecewise linear, and F is found by walking over
-//! the knots of both: no iteration. Where a path stiffens (lock-up, return along a path-independent curve) the last
-//! edge of its hull is a chord that depends on F, phi is a root of F there, and F is found by halving down to the
-//! last bit. A path that ends level (perfect plasticity) caps F: the velocities then differ and the jump stays at the
-//! point. Sources: the graphical method of Bohnenblust (von Kármán, Bohnenblust and Hyers 1942) and, for the hull,
-//! Holden and Risebro, Front Tracking for Hyperbolic Conservation Laws, chapter 2.
+//! phi increases with F. If slopes fall along both paths, phi is piecewise linear, and F is found without iteration by walking over the knots of
+//! both. Where a path stiffens (lock-up, return along a path-independent curve), the last edge of its hull is a chord that depends on F, phi is a
+//! square root there, and F is found by bisection to the last bit. A path with a level end (perfect plasticity) limits F: the velocities of the two
+//! sides then differ, and the jump remains at the interface. Sources: the graphical method of Bohnenblust (von Kármán, Bohnenblust and Hyers 1942)
+//! and, for the hull, Holden and Risebro, Front Tracking for Hyperbolic Conservation Laws, chapter 2.
 
 mod elastic;
 mod face;
@@ -32,18 +31,18 @@ use crate::root::bisect;
 /// One side of a Riemann problem.
 #[derive(Debug, Clone, Copy)]
 pub enum Side<'a> {
-    /// A piece of bar.
+    /// A section of a bar.
     Bar(&'a Medium, &'a Point),
-    /// The same, at a face of a grid: as [`Faces::placed`] has it.
+    /// A section of a bar at a face of a grid, in the form returned by [`Faces::placed`].
     Face(&'a Medium, &'a FaceState),
-    /// Something that answers a force F with the velocity change `compliance * (F - force)`: a rigid driver
-    /// (compliance 0), or an elastic bar without end.
+    /// A boundary that responds to a force F with the velocity change `compliance * (F - force)`: a rigid driver
+    /// (compliance 0), or an elastic bar of infinite length.
     Straight {
-        /// Force at which it moves with `velocity`, N.
+        /// Force at which the boundary moves with `velocity`, N.
         force: f64,
-        /// m/s.
+        /// Velocity at that force, m/s.
         velocity: f64,
-        /// 1/(A rho c), m/(s N), >= 0.
+        /// Compliance 1/(A rho c), m/(s N), >= 0.
         compliance: f64,
     },
 }
@@ -74,7 +73,7 @@ impl Side<'_> {
     }
 }
 
-/// Paths of both sides, filled by [`solve`]; from them the waves of the answer are sent.
+/// Paths of both sides, filled by [`solve`]. The waves of the solution are computed from them.
 #[derive(Debug, Clone, Default)]
 pub struct Workspace {
     /// Path of the left side.
@@ -83,20 +82,20 @@ pub struct Workspace {
     pub right: Path,
 }
 
-/// The answer at the point itself.
+/// Solution at the interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Star {
     /// Force, N, tension positive.
     pub force: f64,
-    /// Velocity of the left side's edge, m/s.
+    /// Velocity of the left side at the interface, m/s.
     pub velocity_left: f64,
-    /// Velocity of the right side's edge, m/s: the same, unless the force is capped.
+    /// Velocity of the right side at the interface, m/s; equal to that of the left side unless the force is capped.
     pub velocity_right: f64,
-    /// True where a level stress-strain curve caps the force, so that the velocities stay apart.
+    /// Whether a level stress-strain curve limits the force, so that the velocities differ.
     pub capped: bool,
 }
 
-/// Solves the Riemann problem between two sides. Afterwards `work` holds their paths in the senses of the answer.
+/// Solves the Riemann problem between two sides. Afterwards `work` contains their paths in the senses of the solution.
 pub fn solve(left: Side, right: Side, work: &mut Workspace) -> Star {
     let gap = right.velocity() - left.velocity();
     let (force_left, force_right) = (left.force(), right.force());
@@ -114,7 +113,7 @@ pub fn solve(left: Side, right: Side, work: &mut Workspace) -> Star {
     }
 }
 
-/// The force at which both paths together change the velocity by `gap`, and whether it is capped.
+/// Returns the force at which both paths together change the velocity by `gap`, and whether it is capped.
 fn between_or_beyond(gap: f64, low: Side, high: Side, path_low: &mut Path, path_high: &mut Path) -> (f64, bool) {
     let (bottom, top) = (low.force(), high.force());
     if bottom < top {
@@ -143,7 +142,7 @@ fn between_or_beyond(gap: f64, low: Side, high: Side, path_low: &mut Path, path_
     (sense * force, capped)
 }
 
-/// Both paths run in one sense: sense * force at which their velocity changes add up to `target`, >= 0.
+/// For paths of the same sense: returns sense * force at which their velocity changes add up to `target`, >= 0, and whether it is capped.
 fn beyond(target: f64, a: &mut Path, b: &mut Path) -> (f64, bool) {
     let mut force = a.force(0).max(b.force(0));
     let (mut i, mut j) = (a.edge(force), b.edge(force));
@@ -162,12 +161,12 @@ fn beyond(target: f64, a: &mut Path, b: &mut Path) -> (f64, bool) {
     halve_beyond(target, force, a, b)
 }
 
-/// As [`beyond`], from `low` on, where a chord of a hull or a cap takes part.
+/// Solves the problem of [`beyond`] by bisection for forces from `low` on, for paths with a chord of a hull or a cap.
 fn halve_beyond(target: f64, low: f64, a: &mut Path, b: &mut Path) -> (f64, bool) {
     let cap = (a.cap() * a.area()).min(b.cap() * b.area());
     let mut total = |force: f64| a.velocity(force / a.area()) + b.velocity(force / b.area());
     let high = if cap.is_finite() {
-        // A hair below the cap, so that rounding of force/area cannot lift it over.
+        // Slightly below the cap, so that rounding of force/area cannot exceed it.
         let below = cap - 1e-15 * cap.abs();
         if total(below) <= target {
             return (cap, true);
@@ -183,7 +182,7 @@ fn halve_beyond(target: f64, low: f64, a: &mut Path, b: &mut Path) -> (f64, bool
     (force_between(low, high, |force| total(force) < target), false)
 }
 
-/// The answer lies between both forces: the low path rises to it, the high path falls to it.
+/// Returns the force for a solution between both forces: the low path rises to it, the high path falls to it.
 fn between(gap: f64, bottom: f64, top: f64, low: &mut Path, high: &mut Path) -> f64 {
     let mut force = bottom;
     let (mut i, mut j) = (low.edge(force), high.edge(-force));
@@ -206,7 +205,7 @@ fn between(gap: f64, bottom: f64, top: f64, low: &mut Path, high: &mut Path) -> 
     force_between(force, top, |f| total(f, low, high) < gap)
 }
 
-/// The force in `low..high` at which `below` turns from true to false, to the last bit that matters.
+/// Returns the force in `low..high` at which `below` changes from true to false, to the last significant bit.
 fn force_between(low: f64, high: f64, below: impl FnMut(f64) -> bool) -> f64 {
     bisect([low, high], 0.5 * f64::EPSILON * low.abs().max(high.abs()), below)
 }

@@ -7,7 +7,7 @@ use super::path::Path;
 use crate::law::Reversals;
 
 impl Path {
-    /// From the start on: the elastic line to where the point last flowed or back from there, then branch after branch. Slopes
+    /// Builds the path from the start on: the elastic line to the point of last flow, or back from there, then branch after branch. Slopes
     /// fall along it.
     pub(super) fn fill_overlay(&mut self, medium: &Medium, reversals: &Reversals) {
         let (sense, lines) = (self.sense(), medium.lines(1.0));
@@ -35,7 +35,7 @@ impl Path {
 }
 
 impl Faces {
-    /// sense * stress up to which a side stays elastic, Pa.
+    /// Returns sense * stress up to which a side stays elastic, Pa.
     pub(super) fn overlay_limit(&self, near: &FaceState, sense: f64) -> f64 {
         let (own, range) = (sense * near.point.stress, self.yield_stress());
         if near.flowing == sense {
@@ -55,7 +55,7 @@ impl Faces {
         self.general(left, right, work)
     }
 
-    /// The reversals of a side once it has come to its stress.
+    /// Returns the reversals of a side after it has reached its stress.
     pub(super) fn reversals(&self, near: &FaceState) -> Reversals {
         let (mut reversals, stress, range) = (near.reversals, near.point.stress, self.yield_stress());
         let outside = stress - near.point.back;
@@ -67,7 +67,7 @@ impl Faces {
         reversals
     }
 
-    /// As [`Faces::before`].
+    /// Implements [`Faces::before`] for overlays.
     pub(super) fn overlay_before(&self, near: FaceState, gained: f64, outward: f64, path: &mut Path) -> FaceState {
         let (sense, stress) = (near.flowing, near.point.stress);
         let start = FaceState { point: Point { stress: stress - sense * gained, ..near.point }, ..near };

@@ -1,58 +1,58 @@
-//! The stress-strain path that a point takes when its stress starts to rise or to fall, and the waves along it.
+//! Stress-strain path that a point follows when its stress starts to rise or to fall, and the waves along it.
 //!
-//! A path is kept in the sense of its stress change: tau = sense * sigma rises along it. It starts at the point's own
-//! state: the elastic line up to the yield stress of that sense, then the table, shifted so that both meet. It is
-//! straight between knots. A wave that raises tau to tau* runs over the upper concave hull of the path up to tau*,
-//! one front an edge, `dv = d tau/(rho c)`, `rho c^2 = d tau/d eps`. Where slopes fall along the path the hull is the path.
+//! A path is stored in the sense of its stress change: tau = sense * sigma rises along it. It starts at the state of the point
+//! and consists of the elastic line up to the yield stress of that sense, then the table, shifted so that both meet. It is
+//! linear between knots. A wave that raises tau to tau* follows the upper concave hull of the path up to tau*,
+//! with one front per edge, `dv = d tau/(rho c)`, `rho c^2 = d tau/d eps`. Where slopes fall along the path, the hull is the path.
 
 use super::face::FaceState;
 use super::medium::{Flow, Lines, Medium, Point};
 use crate::law::Reversals;
 
-/// Relative rounding of a stress that has been a force: of a product and a quotient.
+/// Relative rounding of a stress computed from a force, by a product and a quotient.
 const CAP_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// One knot of a path.
 #[derive(Debug, Clone, Copy)]
 struct Knot {
-    /// Pa.
+    /// Stress in the sense of the path, Pa.
     tau: f64,
-    /// E times strain, in the sense of the path, Pa; only differences have a meaning.
+    /// E times the strain in the sense of the path, Pa; only differences are meaningful.
     z: f64,
-    /// Velocity change from the start to here, m/s; right up to `straight_to`.
+    /// Velocity change from the start to the knot, m/s; valid up to `straight_to`.
     velocity: f64,
-    /// d tau/dz of what follows.
+    /// Slope d tau/dz of the edge that follows.
     slope: f64,
-    /// 1/(rho c) of what follows, m/(s Pa).
+    /// 1/(rho c) of the edge that follows, m/(s Pa).
     compliance: f64,
 }
 
 /// One front of a wave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Emitted {
-    /// m/s, > 0.
+    /// Speed of the front, m/s, > 0.
     pub speed: f64,
-    /// The state that it leaves behind.
+    /// State behind the front.
     pub behind: Point,
 }
 
-/// A path, and room to work; made once and filled again and again, so that nothing is allocated once it is warm.
+/// A path with its work space. It is created once and filled repeatedly, so that nothing is allocated after the first uses.
 #[derive(Debug, Clone, Default)]
 pub struct Path {
     knots: Vec<Knot>,
-    /// +1 where the stress rises along it, -1 where it falls.
+    /// +1 if the stress rises along the path, -1 if it falls.
     sense: f64,
     area: f64,
     /// rho E, and E: for fronts along chords.
     impedance2: f64,
     modulus: f64,
     density: f64,
-    /// Index of the last knot up to which the hull is the path itself; none where that is so for ever.
+    /// Index of the last knot up to which the hull is the path itself; `None` if this holds for the whole path.
     straight_to: Option<usize>,
-    /// Kinematic fraction, and tau from which flow is plastic.
+    /// Kinematic fraction, and tau from which on flow is plastic.
     kinematic: f64,
     plastic_from: f64,
-    /// The curve is followed both ways.
+    /// Whether the curve is followed in loading and unloading.
     returns: bool,
     round_off: f64,
     start: Point,
@@ -60,12 +60,12 @@ pub struct Path {
 }
 
 impl Path {
-    /// The path of a bar's point. In an overlay it is that of a point that has never been reversed.
+    /// Fills the path of a point of a bar. In an overlay, the point counts as never reversed.
     pub fn fill(&mut self, medium: &Medium, point: &Point, sense: f64) {
         self.fill_with(medium, point, &Reversals::default(), sense);
     }
 
-    /// The path of a side of a face.
+    /// Fills the path of one side of a face.
     pub fn fill_at_face(&mut self, medium: &Medium, near: &FaceState, sense: f64) {
         self.fill_with(medium, &near.point, &near.reversals, sense);
     }
@@ -87,7 +87,7 @@ impl Path {
         self.sum_velocities();
     }
 
-    /// A straight path for ever: an end's driver. `compliance` is 1/(rho c) times 1/A, m/(s N), 0 for a rigid one.
+    /// Fills an unbounded straight path, for a boundary. `compliance` is 1/(rho c A), m/(s N), 0 for a rigid one.
     pub(super) fn fill_straight(&mut self, force: f64, compliance: f64, sense: f64) {
         self.knots.clear();
         self.sense = sense;
@@ -108,7 +108,7 @@ impl Path {
             self.push(tau, 0.0, 1.0, elastic);
             return;
         }
-        // A start within rounding of a knot is at the knot.
+        // A start within rounding of a knot is moved to the knot.
         while k + 1 < lines.z.len() && lines.z[k + 1] - z <= self.round_off.max(1e-14 * z) {
             k += 1;
             (z, y) = (lines.z[k], lines.y[k]);
@@ -145,36 +145,36 @@ impl Path {
         }
     }
 
-    /// The table from the start of line `from` on.
+    /// Appends the table from the start of line `from` on.
     fn follow(&mut self, lines: &Lines, from: usize, shift: f64) {
         for j in from..lines.z.len() {
             self.push(lines.y[j] + shift, lines.z[j], lines.slope[j], lines.compliance[j]);
         }
     }
 
-    /// Adds a knot, unless the line only goes on as before.
+    /// Adds a knot, unless the slope does not change.
     fn push(&mut self, tau: f64, z: f64, slope: f64, compliance: f64) {
         let last = self.knots.last();
         if last.is_none_or(|last| last.slope != slope) {
-            // A shift may take what follows a level stretch off it, by rounding: no strain is long enough for a rise along it.
+            // The shift may move the knot off a preceding level segment by rounding; no strain would then reach it along that segment.
             let tau = last.filter(|last| last.slope == 0.0).map_or(tau, |last| last.tau);
             self.knots.push(Knot { tau, z, velocity: 0.0, slope, compliance });
         }
     }
 
-    /// Stress of the point, Pa.
+    /// Returns the stress of the point, Pa.
     pub(super) fn start_stress(&self) -> f64 {
         self.start.stress
     }
 
-    /// The elastic line from the start on, where E times the strain is `z` in the sense of the path, Pa.
+    /// Starts the path with the elastic line; E times the strain at the start is `z` in the sense of the path, Pa.
     pub(super) fn begin(&mut self, z: f64) {
         self.returns = false;
         let compliance = 1.0 / self.impedance2.sqrt();
         self.knots.push(Knot { tau: self.sense * self.start.stress, z, velocity: 0.0, slope: 1.0, compliance });
     }
 
-    /// A line from (tau, z) on, which may begin before the start.
+    /// Appends a line from (tau, z) on, which may begin before the start.
     pub(super) fn go_along(&mut self, tau: f64, z: f64, slope: f64, compliance: f64) {
         let start = self.knots[0];
         if tau - start.tau > self.round_off {
@@ -185,7 +185,7 @@ impl Path {
         }
     }
 
-    /// Velocities at the knots as far as the hull is the path.
+    /// Computes the velocity changes at the knots, as far as the hull is the path.
     fn sum_velocities(&mut self) {
         self.straight_to = None;
         let mut velocity = 0.0;
@@ -203,54 +203,54 @@ impl Path {
         }
     }
 
-    /// Largest tau that waves can bring about, Pa: infinite, or where the path ends level.
+    /// Returns the largest tau that waves can produce, Pa: infinite, or the level end of the path.
     pub fn cap(&self) -> f64 {
         let last = self.knots[self.knots.len() - 1];
         if last.slope == 0.0 { last.tau } else { f64::INFINITY }
     }
 
-    /// A force in the sense of the path, N, is all that waves can bring about, but for rounding.
+    /// Returns true if a force in the sense of the path, N, is the largest that waves can produce, up to rounding.
     pub(super) fn is_at_cap(&self, force: f64, rounding: f64) -> bool {
         force + rounding >= self.cap() * self.area
     }
 
-    /// Sense of the path: +1 or -1.
+    /// Returns the sense of the path: +1 or -1.
     pub fn sense(&self) -> f64 {
         self.sense
     }
 
-    /// d tau/dz where it starts: 1 where that is elastic.
+    /// Returns d tau/dz at the start: 1 if the path starts elastically.
     pub fn start_slope(&self) -> f64 {
         self.knots[0].slope
     }
 
-    /// A: forces are stresses times this, m^2.
+    /// Returns the area A, m^2: forces are stresses times A.
     pub fn area(&self) -> f64 {
         self.area
     }
 
-    /// sense * force at knot i; infinite past the last.
+    /// Returns sense * force at knot i, N; infinite beyond the last knot.
     pub(super) fn force(&self, i: usize) -> f64 {
         self.knots.get(i).map_or(f64::INFINITY, |k| self.area * k.tau)
     }
 
-    /// True where the hull is the path itself along edge i.
+    /// Returns true if the hull is the path itself along edge i.
     pub(super) fn is_straight(&self, i: usize) -> bool {
         self.straight_to.is_none_or(|end| i < end)
     }
 
-    /// d velocity / d force along edge i, m/(s N).
+    /// Returns d velocity / d force along edge i, m/(s N).
     pub(super) fn compliance(&self, i: usize) -> f64 {
         self.knots[i].compliance / self.area
     }
 
-    /// The edge on which sense * force lies; at a knot the one that follows.
+    /// Returns the edge on which sense * force lies; at a knot, the edge that follows.
     pub(super) fn edge(&self, force: f64) -> usize {
         self.knots.partition_point(|k| self.area * k.tau <= force).max(1) - 1
     }
 
-    /// Velocity change, m/s, of the wave that brings `sense * stress` to tau; 0 for tau at or below the start,
-    /// infinite past [`Path::cap`]. A tau past it by rounding is at it: two points on one level line may differ by that.
+    /// Returns the velocity change, m/s, of the wave that changes `sense * stress` to tau; 0 for tau at or below the start,
+    /// infinite above [`Path::cap`]. A tau above the cap by rounding counts as the cap: two points on one level line may differ by that.
     pub fn velocity(&mut self, tau: f64) -> f64 {
         let cap = self.cap();
         let rounding = self.round_off.max(CAP_ROUNDING * cap.abs());
@@ -272,7 +272,7 @@ impl Path {
         self.hull.windows(2).map(|w| chord_velocity(w[0], w[1], impedance2)).sum()
     }
 
-    /// The upper concave hull of the path up to tau, as (tau, z).
+    /// Computes the upper concave hull of the path up to tau, as (tau, z).
     fn build_hull(&mut self, tau: f64) {
         self.hull.clear();
         let inner = self.knots.iter().take_while(|k| k.tau < tau).count();
@@ -294,11 +294,11 @@ impl Path {
         self.hull.push(to);
     }
 
-    /// Sends the wave that brings `sense * stress` to tau (at most [`Path::cap`]): its fronts into `fronts`, fastest
-    /// first, and returns the state behind them all.
+    /// Computes the wave that changes `sense * stress` to tau (at most [`Path::cap`]). Writes its fronts into `fronts`, fastest
+    /// first, and returns the state behind all of them.
     ///
     /// `direction` is +1 for a wave in +x, -1 in -x: `d v = -direction d sigma/(rho c)`. A wave, or the last front of
-    /// one, within rounding is not sent.
+    /// a wave, within rounding is not emitted.
     pub fn emit(&mut self, tau: f64, direction: f64, fronts: &mut Vec<Emitted>) -> Point {
         fronts.clear();
         let mut behind = self.start;
@@ -336,7 +336,8 @@ impl Path {
         behind
     }
 
-    /// The state behind a front along the line that starts at the knot `from`. Along an elastic one nothing flows, to the last bit.
+    /// Returns the state behind a front along the line that starts at the knot `from`. Along an elastic line the plastic strain is unchanged to the
+    /// last bit.
     fn along(&self, ahead: &Point, from: &Knot, to: (f64, f64), direction: f64) -> Point {
         let mut behind = self.behind(ahead, (from.tau, from.z), to, from.compliance, direction);
         if self.returns && from.slope == 1.0 {
@@ -345,7 +346,7 @@ impl Path {
         behind
     }
 
-    /// The state behind a front along the chord `from`-`to` of the path, with `ahead` before it.
+    /// Returns the state behind a front along the chord `from`-`to` of the path; `ahead` is the state before it.
     fn behind(&self, ahead: &Point, from: (f64, f64), to: (f64, f64), compliance: f64, direction: f64) -> Point {
         let stress = self.sense * to.0;
         let rise = to.0 - from.0;
@@ -366,7 +367,7 @@ impl Path {
     }
 }
 
-/// Velocity change over a front along a chord: `sqrt([tau][eps]/rho)`.
+/// Returns the velocity change over a front along a chord: `sqrt([tau][eps]/rho)`.
 fn chord_velocity(from: (f64, f64), to: (f64, f64), impedance2: f64) -> f64 {
     ((to.0 - from.0) * (to.1 - from.1) / impedance2).max(0.0).sqrt()
 }

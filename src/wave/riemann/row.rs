@@ -1,4 +1,4 @@
-//! Faces between cells that flow along one line of the curve, side by side: what [`Faces::solve`] finds there by a walk over lines.
+//! Solves many faces at once between cells that flow along one line of the curve. [`Faces::solve`] finds the same solutions by a walk over lines.
 
 use std::ops::Range;
 
@@ -7,47 +7,47 @@ use multiversion::multiversion;
 use super::face::Faces;
 use super::medium::Flow;
 
-/// What cells of a row flow along. Stresses are times the sense of the flow.
+/// Lines of the curve along which the cells of a row flow. Stresses are multiplied by the sense of the flow.
 #[derive(Debug, Clone)]
 pub struct FlowingRow<const N: usize> {
-    /// Sense of the flow, +1 in tension and -1 in compression; 0 in cells whose faces are to be solved otherwise.
+    /// Sense of the flow, +1 in tension and -1 in compression; 0 in cells whose faces are to be solved by other means.
     sense: [f64; N],
     /// The line: stresses at its start and its end, Pa, and its compliance, m/(s Pa).
     start: [f64; N],
     end: [f64; N],
     compliance: [f64; N],
-    /// Stress at the faces that the cell has gained along the curve in half a step, Pa, >= 0, see [`Faces::before`].
+    /// Increase of the stress at the faces along the curve in half a step, Pa, >= 0, see [`Faces::before`].
     gained: [f64; N],
 }
 
-/// States of cells at one side of faces: stresses and velocities.
+/// Stresses and velocities of cells at one side of faces.
 pub type AtFaces<'a> = [&'a [f64]; 2];
 
 impl<const N: usize> FlowingRow<N> {
-    /// No cell flows.
+    /// Returns a row in which no cell flows.
     pub fn resting() -> Self {
         let zeros = [0.0; N];
         Self { sense: zeros, start: zeros, end: zeros, compliance: zeros, gained: zeros }
     }
 
-    /// Cell `i` does not flow.
+    /// Marks cell `i` as not flowing.
     pub fn rest(&mut self, i: usize) {
         self.sense[i] = 0.0;
     }
 
-    /// True where some of these cells flow.
+    /// Returns true if any of these cells flows.
     pub fn any(&self, mut cells: Range<usize>) -> bool {
         cells.any(|i| self.sense[i] != 0.0)
     }
 
-    /// Cell `i` flows in this sense, having gained so much (Pa), along the line of the isotropic curve that has this stress (Pa, in magnitude): that
-    /// on which it started to flow, or the one behind it.
+    /// Marks cell `i` as flowing in this sense, after an increase of the stress by `gained` (Pa). The cell lies at `stress` (Pa, in magnitude) of the
+    /// isotropic curve, on `line`, on which it started to flow, or on the line that follows.
     pub fn flow(&mut self, i: usize, faces: &Faces, sense: f64, gained: f64, (stress, line): (f64, usize)) {
         self.gained[i] = gained;
         self.put(i, sense, faces.line_with(sense, stress, line));
     }
 
-    /// Cell `i` lies beyond the elastic limit of a curve that is followed both ways; z is E times its strain, Pa.
+    /// Marks cell `i` as lying beyond the elastic limit of a path-independent curve; z is E times its strain, Pa.
     pub fn lie_at(&mut self, i: usize, faces: &Faces, z: f64) {
         let sense = 1.0_f64.copysign(z);
         self.gained[i] = 0.0;
@@ -59,9 +59,9 @@ impl<const N: usize> FlowingRow<N> {
         (self.start[i], self.end[i], self.compliance[i]) = (start, end, compliance);
     }
 
-    /// Solves the faces between cells `first - 1` and `first`, and so on, of which the states at their left and right are given. Where both cells flow along
-    /// one line and the answer lies on it, too, that is put into `through` and `solved` is 1; elsewhere `through` stays and `solved` is 0. There it is the
-    /// acoustic answer: cells that flow isotropically keep it up to this `limit`, Pa.
+    /// Solves the faces between cells `first - 1` and `first`, and so on, given the states at their left and right. If both cells flow along one line
+    /// and the solution lies on it too, writes it into `through` and sets `solved` to 1. Otherwise leaves `through` unchanged and sets `solved` to 0.
+    /// On entry `through` contains the acoustic solution; with isotropic hardening it is kept for stresses up to `limit`, Pa.
     pub fn solve(
         &self,
         faces: &Faces,
@@ -84,11 +84,11 @@ impl<const N: usize> FlowingRow<N> {
     }
 }
 
-/// [`FlowingRow::solve`]: of cells on both sides of the faces, `line` of those on the left.
+/// Vectorized part of [`FlowingRow::solve`], for the cells on both sides (a left, b right) of the faces; `line` data are those of the left cells.
 ///
-/// With s stress and v velocity in the sense of the flow, and the compliance of the way that each side goes to the answer, `s = s_a + (v - v_a)/c_a` and
-/// `s = s_b - (v - v_b)/c_b`. A side comes elastically to a stress below its own, along the line to one above, and where the curve is followed `BOTH_WAYS` to
-/// either.
+/// With s the stress and v the velocity in the sense of the flow, and c the compliance of each side on its way to the solution,
+/// `s = s_a + (v - v_a)/c_a` and `s = s_b - (v - v_b)/c_b`. A side reaches a stress below its own elastically, and a stress above it along the line;
+/// if the curve is followed `BOTH_WAYS`, both along the line.
 #[expect(clippy::too_many_arguments)]
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn solve<const BOTH_WAYS: bool>(
@@ -151,13 +151,13 @@ mod tests {
         Faces::new(Medium::new([&table, &table], 2e11, 7800.0, 1.0, flow, 1e-5))
     }
 
-    /// Evenly spread over 0..1.
+    /// Returns pseudorandom numbers between 0 and 1.
     fn number(seed: &mut u64) -> f64 {
         *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (*seed >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Cells beyond yield, in either sense, with steps and slopes of some percent; each as it is at its left and its right face.
+    /// Cells beyond yield, in either sense, with steps and slopes of some percent; the state of each at its left and its right face.
     struct Cells {
         row: FlowingRow<CELLS>,
         gained: Vec<f64>,
@@ -209,7 +209,7 @@ mod tests {
                 [points().map(|p| p.stress).collect(), points().map(|p| p.velocity).collect::<Vec<_>>()]
             };
             let (left, right) = (side(1, 0..CELLS - 1), side(0, 1..CELLS));
-            // As if the acoustic answers were all beyond the first limit.
+            // The initial values make all acoustic solutions exceed the limit.
             let [mut stress, mut velocity] = [vec![f64::INFINITY; CELLS - 1], vec![0.0; CELLS - 1]];
             let mut solved = vec![0.0; CELLS - 1];
             let through = [&mut stress[..], &mut velocity[..]];

@@ -1,4 +1,4 @@
-//! Energy and momentum of the nodes, and the work of dampers, foundation and grid filter.
+//! Energy and momentum of the nodes, and the work of dampers, friction, foundation and grid filter.
 
 use std::ops::Range;
 
@@ -10,32 +10,32 @@ use super::{Block, Implicit};
 use crate::law::LANES;
 use crate::solver::Energies;
 
-/// Sums over the nodes that the account needs: of one step's forces, in the two velocities between which they act.
+/// Sums over the nodes of the work and impulse of one step's forces, with the two velocities between which they act.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Taken {
     /// dt times the dampers' power, with the velocity before the step and after it, J.
     pub before: f64,
     pub after: f64,
-    /// The same of friction.
+    /// The same for friction.
     pub rubbed: [f64; 2],
     /// Impulse of external damping, friction and the foundation, N s in +x.
     pub impulse: f64,
 }
 
 impl Taken {
-    /// dt times the dampers' power with the mean velocity, J, >= 0.
+    /// Returns dt times the dampers' power with the mean velocity, J, >= 0.
     fn mean(&self) -> f64 {
         0.5 * (self.before + self.after)
     }
 }
 
 impl Implicit {
-    /// Books what the dampers and the foundation did in the step whose changes are known, by the trapezoidal rule in their
-    /// forces: the form in which the staggered scheme balances energy and momentum to round-off.
+    /// Records the work and impulse of dampers, friction and foundation in the step whose changes are known, by the trapezoidal rule in
+    /// their forces: the form in which the staggered scheme balances energy and momentum to round-off.
     pub(super) fn account(&mut self) {
         let now = self.taken(None);
-        // What friction takes with the velocity between two steps. It can be less than 0 only where a motion that starts suddenly is
-        // against the bar's own, or where the grid filter moves nodes; that is then of the half steps.
+        // Work of friction with the velocity between two steps. It can be negative only if a motion that starts suddenly opposes the bar's
+        // own, or if the grid filter moves nodes; the negative part is then counted with the half steps.
         let rubbed = 0.5 * (self.latest.rubbed[1] + now.rubbed[0]);
         self.damped += 0.5 * (self.latest.after + now.before) + rubbed;
         self.damped_by_means += 0.5 * (self.latest.mean() + now.mean()) + rubbed.max(0.0);
@@ -45,12 +45,12 @@ impl Implicit {
         self.latest = now;
     }
 
-    /// Forgets what was booked before now.
+    /// Resets the account.
     pub(super) fn count_from_here(&mut self) {
         [self.damped, self.damped_by_means, self.impulse, self.throughput] = [0.0; 4];
     }
 
-    /// Sums of a step, `after` holding the velocities before it. `shift` is what is added to those after it, if anything is.
+    /// Returns the sums of a step, with the velocities before it in `after`. `shift`, if given, is added to the velocities after it.
     fn taken(&self, shift: Option<&[f64]>) -> Taken {
         let mut taken = Taken::default();
         let (v, w) = (&self.after[..], &self.change[..]);
@@ -87,19 +87,19 @@ impl Implicit {
         taken
     }
 
-    /// Takes over what the grid filter made of the nodes after the latest step, and books what it took: the blocks' own
-    /// account knows only the masses of the nodes.
+    /// Reads the velocities of the nodes after the grid filter in the latest step, and records the energy that it took: the blocks' own
+    /// account includes only the masses of the nodes.
     pub fn take_filtered(&mut self, blocks: &[Block]) {
         self.shift.clear();
         self.filtered -= self.take_shifted(blocks);
     }
 
-    /// Takes over the velocities of the nodes of the blocks, after the latest step. Returns the energy that nodes get by that, J.
+    /// Reads the velocities of the blocks' nodes after the latest step. Returns the energy that the nodes gain by their change, J.
     pub fn take_shifted(&mut self, blocks: &[Block]) -> f64 {
         if !blocks.iter().any(|block| differ(&block.v, &self.after[block.cells.start..=block.cells.end])) {
             return 0.0;
         }
-        // What is added to the velocities before and after the step.
+        // Added to the velocities before and after the step.
         let mut shift = std::mem::take(&mut self.shift);
         let earlier = shift.clone();
         shift.clear();
@@ -123,12 +123,12 @@ impl Implicit {
             }
         }
         self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
-        // Dampers acted on what the nodes did before any of this.
+        // The dampers acted with the velocities before any of these shifts.
         self.after.iter_mut().zip(&earlier).for_each(|(v, earlier)| *v -= earlier);
         shift.iter_mut().zip(&earlier).for_each(|(shift, earlier)| *shift += earlier);
         let taken = self.taken(Some(&shift));
         (self.latest.after, self.latest.rubbed[1]) = (taken.after, taken.rubbed[1]);
-        // To the last bit what the blocks step with.
+        // The same bits as the velocities with which the blocks are stepped.
         for block in blocks {
             self.after[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
         }
@@ -136,13 +136,15 @@ impl Implicit {
         0.5 * got
     }
 
-    /// Impulse (N s in +x) that external damping and the foundation gave so far, and the sum of its sizes.
+    /// Returns the impulse (N s in +x) that external damping, friction and the foundation have given so far, and the sum of its absolute
+    /// values.
     pub fn impulse(&self) -> [f64; 2] {
         [self.impulse, self.throughput]
     }
 
-    /// Energies and momentum at the current time. What dampers take is counted with the mean velocity of each step; where the balance of
-    /// the staggered scheme has it otherwise, the difference is in `half_step`, as is the foundation's share that goes with motion.
+    /// Returns energies and momentum at the current time. The work of dampers is counted with the mean velocity of each step. The
+    /// difference from the work in the balance of the staggered scheme is in `half_step`, as is the part of the foundation's energy that
+    /// depends on the velocities.
     pub fn sums(&self) -> Energies {
         let mut total = self.of_motion(|v, _| v);
         total.damping = self.damped_by_means;
@@ -158,13 +160,13 @@ impl Implicit {
         total
     }
 
-    /// Kinetic energy and momentum before anything acted on the nodes; before the second step.
+    /// Returns the kinetic energy and momentum before anything acted on the nodes. For use before the second step.
     pub fn initial(&self) -> Energies {
         self.of_motion(|v, change| v - change)
     }
 
-    /// Kinetic energy of the mean of the velocities before the step and those after it (of what they are and their change), what v- (M + B) v+/2 is beside it, and momentum
-    /// M (v- + v+)/2.
+    /// Returns the kinetic energy of the mean of the velocities before the step and those after it (`after` of each velocity and its
+    /// change), the difference between v- (M + B) v+/2 and that energy, and the momentum M (v- + v+)/2.
     #[inline(always)]
     fn of_motion(&self, after: impl Fn(f64, f64) -> f64) -> Energies {
         let mut total = Energies::default();
@@ -196,7 +198,7 @@ impl Implicit {
         total
     }
 
-    /// The foundation's share that goes with motion, v- (K dt^2/4) v+/2, J.
+    /// Returns the part of the foundation's energy that depends on the velocities, v- (K dt^2/4) v+/2, J.
     pub(super) fn foundation_of_motion(&self, before: impl Fn(f64, f64) -> f64) -> f64 {
         if self.place.is_empty() {
             return 0.0;
@@ -210,8 +212,8 @@ impl Implicit {
     }
 }
 
-/// dt times the power of internal dampers with the velocity before the step and after it, `v` and `w` being the velocities before it of the
-/// nodes of their cells and the changes.
+/// Returns dt times the power of internal dampers with the velocity before the step and after it. `v` are the velocities before the step of
+/// the nodes of their cells, and `w` the velocity changes.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn of_dampers(viscous: f64, v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 2] {
     let cells = v.len() - 1;
@@ -238,20 +240,21 @@ fn of_dampers(viscous: f64, v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64
     [before, after]
 }
 
-/// The same of external dampers (impulse per velocity before the step, and per change), and the impulses, against the motion, N s.
+/// As [`of_dampers`], for external dampers (impulse per velocity before the step, and per change). Also returns the sum of the impulses,
+/// against the motion, N s.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn of_drag([drag, drag_mass]: [f64; 2], v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 3] {
     at_nodes([v, w, v], shift, |[v, w, _]| drag * v + drag_mass * w)
 }
 
-/// The same of friction, `rubbing` being its impulses on the nodes.
+/// As [`of_drag`], for friction; `rubbing` are its impulses on the nodes.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn of_friction(rubbing: &[f64], v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 3] {
     at_nodes([v, w, rubbing], shift, |[_, _, rubbing]| -rubbing)
 }
 
-/// Sums over nodes of impulses against the motion (N s): times the velocity before and after the step, and alone. They follow from the
-/// velocity, its change and a number of each node.
+/// Returns sums over nodes of impulses against the motion (N s): times the velocity before and after the step, and alone. `impulse`
+/// computes them from the velocity, its change, and the entry of `own` of each node.
 #[inline(always)]
 fn at_nodes([v, w, own]: [&[f64]; 3], shift: Option<&[f64]>, impulse: impl Fn([f64; 3]) -> f64) -> [f64; 3] {
     let of_before = sum([v, w, own], |[v, w, own]| impulse([v, w, own]) * v);
@@ -262,25 +265,26 @@ fn at_nodes([v, w, own]: [&[f64]; 3], shift: Option<&[f64]>, impulse: impl Fn([f
     [of_before, of_after, sum([v, w, own], &impulse)]
 }
 
-/// Sum over nodes of the displacements with which a foundation acts in a step, m.
+/// Returns the sum over nodes of the displacements with which a foundation acts in a step, m.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn sum_of_places(dt: f64, place: &[f64], w: &[f64]) -> f64 {
     sum([place, w], |[u, w]| u + 0.25 * dt * w)
 }
 
-/// Whether two columns of one length are not the same. All of them are looked at, side by side: mostly they are.
+/// Returns whether two columns of equal length differ. All entries are compared, in parallel, since mostly they are equal.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn differ(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).map(|(a, b)| u64::from(a != b)).sum::<u64>() > 0
 }
 
-/// What nodes of mass 2 get by shifts, from the velocities before the shift and their change in the step.
+/// Returns the energy that nodes of mass 2 gain by shifts, from the shifts, the velocities before them, and the velocity changes in the
+/// step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn got_at_nodes(of: [&[f64]; 3]) -> f64 {
     sum(of, |[shift, after, change]| shift * (2.0 * after - change + shift))
 }
 
-/// What they get by that in the motion of neighbours against each other.
+/// Likewise, returns the energy gained in the relative motion of neighbouring nodes.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn got_in_cells([shift, after, change]: [&[f64]; 3]) -> f64 {
     let cells = shift.len() - 1;
@@ -291,10 +295,11 @@ fn got_in_cells([shift, after, change]: [&[f64]; 3]) -> f64 {
     })
 }
 
-/// Partial sums: as many as the processor adds in the time of one addition.
+/// Number of partial sums: as many as the processor adds in the time of one addition.
 const WIDE: usize = 4 * LANES;
 
-/// Sum of the terms of columns of one length, in lanes that the processor takes side by side. (Compilers do so for one sum only, not for several.)
+/// Returns the sum of `term` over columns of equal length, in lanes that the processor evaluates in parallel. (Compilers do so for one sum
+/// only, not for several.)
 #[expect(
     clippy::needless_range_loop,
     reason = "closures of iterators and arrays are calls here, and cost more than the sums"

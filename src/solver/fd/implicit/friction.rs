@@ -1,32 +1,33 @@
 //! Coulomb (dry) friction along the bar.
 //!
-//! A force f per length acts against the velocity: -f sign(v) where a place moves; where it rests, the force that holds it, of any size
-//! up to f. The velocities of the grid hold from one stress to the next, so the impulse of the step around a stress belongs to two of
-//! them, in halves. With F = dt f l the largest impulse on a node of mass m and length l, v* its velocity without friction, and
-//! g = -F sign(v-) or, where it rested, the impulse that held it,
+//! A force f per length acts against the velocity: -f sign(v) where the bar moves; where it is at rest, the force that holds it, up to f in
+//! size. A velocity of the grid holds from one time of the stresses to the next, so the impulse of the step around a time of the stresses
+//! belongs to two velocities, in halves. With F = dt f l the largest impulse on a node of mass m and length l, v* its velocity without
+//! friction, and g = -F sign(v-) or, if it was at rest, the impulse that held it,
 //!
 //! ```text
-//! v+ = v* + r/m,   r = -m v* where (g - F)/2 <= -m v* <= (g + F)/2: it rests,   else the bound that is nearer
+//! v+ = v* + r/m,   r = -m v* if (g - F)/2 <= -m v* <= (g + F)/2: the node comes to rest,   otherwise the nearer bound
 //! ```
 //!
-//! which is the trapezoidal rule in closed form, because every node stands for itself. A node at rest has a velocity of exactly 0, and
-//! the work of friction between two steps, -v (r- + r+)/2, is never negative. A front that travels a cell in each step loses
-//! f dx/(2 A) of its stress in a cell, as it should; one below that ends there. An end finds r together with what holds or drives it.
+//! This is the trapezoidal rule in closed form, because the nodes are not coupled. A node at rest has a velocity of exactly 0, and the work
+//! of friction between two steps, -v (r- + r+)/2, is never negative. A front that travels one cell per step loses f dx/(2 A) of its stress
+//! per cell, as in the exact solution; a weaker front ends there. At an end, r is found together with the response of what holds or drives
+//! the end.
 //!
-//! Limits: friction at rest is as large as in motion; nothing is resolved that lasts less than a step or needs less than the friction of
-//! a cell. C.-A. de Coulomb 1785 (Théorie des machines simples).
+//! Limits: static and kinetic friction are equal; nothing is resolved that lasts less than a step or needs less than the friction of a
+//! cell. C.-A. de Coulomb 1785 (Théorie des machines simples).
 
 use super::{EndNode, Implicit};
 
-/// Most tries to bring an end to rest; one is enough where what holds the end is linear.
+/// Largest number of iterations to bring an end to rest; one is enough if what holds the end is linear.
 const MOST_TRIES: usize = 100;
 
-/// Part of the velocities that friction can give by which they jump past zero where the end parts from a body: it does not come to rest.
-/// Smaller jumps are rounding.
+/// Smallest jump of the end's velocity past zero, relative to the range of velocities that friction can produce, for which the end does not
+/// come to rest: there it separates from a body. Smaller jumps are rounding errors.
 const JUMPS: f64 = 1e-6;
 
 impl Implicit {
-    /// Friction on the nodes between the ends, in a step whose changes without it are known.
+    /// Applies friction to the nodes between the ends, in a step whose velocity changes without friction are known.
     pub(super) fn rub_nodes(&mut self) {
         let last = self.change.len() - 1;
         for (weights, nodes) in self.weights.nodes() {
@@ -40,7 +41,7 @@ impl Implicit {
                 let stopping = -mass * (before + self.change[j]);
                 self.rubbing[j] = stopping.clamp(low, high);
                 if self.rubbing[j] == stopping {
-                    // To the last bit at rest.
+                    // Exactly at rest.
                     self.change[j] = -before;
                 } else {
                     self.change[j] += self.rubbing[j] / mass;
@@ -49,8 +50,8 @@ impl Implicit {
         }
     }
 
-    /// Friction on the end nodes, in a step in which the bar gives them the impulses `pulls` (N s in +x): these impulses with it, and
-    /// whether an end comes to rest.
+    /// Computes the friction on the end nodes, in a step in which the bar gives them the impulses `pulls` (N s in +x). Returns these
+    /// impulses including friction, and whether each end comes to rest.
     pub(super) fn rub_ends(&mut self, time: f64, pulls: [f64; 2], ends: [&EndNode; 2]) -> [(f64, bool); 2] {
         let last = self.change.len() - 1;
         [(0, 0), (1, last)].map(|(side, node)| {
@@ -64,7 +65,8 @@ impl Implicit {
     }
 }
 
-/// Impulses of friction that a node can have in a step: of at most `most` in size, at `velocity` and with the impulse `held` before it.
+/// Returns the smallest and largest friction impulse on a node in a step. `most` is the largest friction impulse of a whole step;
+/// `velocity` and `held` are the velocity and the friction impulse before the step.
 fn range(most: f64, started: bool, velocity: f64, held: f64) -> [f64; 2] {
     let passed_on = match (started, velocity == 0.0) {
         (false, _) => 0.0,
@@ -74,9 +76,9 @@ fn range(most: f64, started: bool, velocity: f64, held: f64) -> [f64; 2] {
     [0.5 * (passed_on - most), 0.5 * (passed_on + most)]
 }
 
-/// The impulse of friction in a range on a node whose velocity rises with it, and whether that brings it to rest.
+/// Returns the friction impulse within a range on a node whose velocity increases with it, and whether that brings the node to rest.
 fn against([least, most]: [f64; 2], velocity: impl Fn(f64) -> f64) -> (f64, bool) {
-    // What rests of itself needs none, not even that of rounding.
+    // A node that comes to rest by itself needs no friction, not even as large as rounding errors.
     if least <= 0.0 && most >= 0.0 && velocity(0.0) == 0.0 {
         return (0.0, true);
     }
@@ -88,13 +90,13 @@ fn against([least, most]: [f64; 2], velocity: impl Fn(f64) -> f64) -> (f64, bool
         return (high.0, false);
     }
     if low.1 == high.1 {
-        // Held at rest by the end itself.
+        // The end itself holds the node at rest.
         return (0.0_f64.clamp(least, most), true);
     }
     let span = high.1 - low.1;
     let rounding = 4.0 * f64::EPSILON * span;
     for tries in 1..=MOST_TRIES {
-        // Every third try halves, for answers that have a kink.
+        // Every third iteration bisects, for responses that have a kink.
         let part = if tries % 3 == 0 { 0.5 } else { -low.1 / (high.1 - low.1) };
         let impulse = low.0 + part * (high.0 - low.0);
         let found = velocity(impulse);

@@ -1,55 +1,55 @@
 //! The symmetric tridiagonal matrix of the node update: factored once, solved in every step.
 //!
-//! The two ends are eliminated last. What is left for them is a matrix of two rows, so that a device sees one effective
-//! mass; it is the effect of one end on the other, through the whole bar, that its off-diagonal holds. The nodes between
-//! them are eliminated from both sides towards the middle, and each half in two pieces where the second one does not feel the far end of the
-//! first: four chains of operations that a processor runs side by side.
+//! The two ends are eliminated last. The 2 x 2 matrix that remains for them gives each end one effective mass; its off-diagonal element is
+//! the effect of one end on the other through the whole bar. The nodes between them are eliminated from both sides towards the middle, and
+//! each half in two pieces if the far end of the first piece has no effect on the second: four chains of operations that a processor
+//! executes in parallel.
 
-/// Below this part of a node's own change its effect on another node is far below rounding.
+/// Fraction of a node's own change below which its effect on another node is far below rounding.
 const NEGLIGIBLE: f64 = 1e-20;
 
-/// Changes below this, in kg m/s or m/s, are none. Otherwise the tail that every wave sends ahead would end in numbers
-/// that processors handle a hundred times slower, and go on for ever as the smallest of them.
+/// Values below this, in kg m/s or m/s, are set to zero. Otherwise the tail that every wave sends ahead would end in denormal numbers,
+/// which processors handle a hundred times more slowly, and would never vanish.
 const NOTHING: f64 = 1e-120;
 
-/// Nodes between two looks for such tails.
+/// Number of nodes between two checks for such tails.
 const LOOK: usize = 64;
 
-/// Pieces are at least so many times as long as what is felt ahead of them, which is done twice.
+/// Smallest length of a piece, as a multiple of the number of nodes ahead of it that affect it; these are processed twice.
 const LEAST_PIECES: f64 = 2.0;
 
-/// `A = A^T` over the nodes 0..=n; the nodes between the ends in the factors `W D W^T`, W with ones on its diagonal, and
-/// beside it left of it up to the middle node, right of it beyond.
+/// `A = A^T` over the nodes 0..=n. The nodes between the ends have the factors `W D W^T`. W has ones on its diagonal and one further
+/// element per row, to the left of the diagonal up to the middle node and to the right of it beyond.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Matrix {
-    /// Nodes - 1.
+    /// Number of nodes - 1.
     cells: usize,
     /// The node at which the eliminations from both sides meet.
     middle: usize,
-    /// Elements of W in the rows of the nodes from the left end, and from the right end, up to the middle node, each towards that end; 0 next to it.
+    /// Elements of W in the rows of the nodes from the left end, and from the right end, up to the middle node, each towards that end; 0
+    /// next to it.
     beside: [Vec<f64>; 2],
-    /// 1 over the pivot of row j. Unused at 0 and n.
+    /// Reciprocal of the pivot of row j. Unused at 0 and n.
     inverse: Vec<f64>,
-    /// Nodes of each of the two pieces of a half that are done side by side; 0: halves are not cut.
+    /// Number of nodes of each of the two pieces of a half that are processed in parallel; 0 if the halves are not split.
     piece: usize,
-    /// Nodes ahead of a piece that are felt in it.
+    /// Number of nodes ahead of a piece that affect it.
     ahead: usize,
-    /// Each node stands for itself.
+    /// Whether the matrix is diagonal, so that the nodes are not coupled.
     diagonal: bool,
     /// Elements between the ends and their neighbours.
     off: [f64; 2],
-    /// Diagonal of what is left for the ends, kg.
+    /// Diagonal of the matrix that remains for the ends, kg.
     own: [f64; 2],
-    /// Its off-diagonal, kg; 0 where the ends know nothing of each other.
+    /// Off-diagonal element of that matrix, kg; 0 if the ends have no effect on each other.
     cross: f64,
-    /// How far the nodes follow the left end, from node 1 on, and the right end, from node n - 1 down; as long as it is
-    /// not negligible.
+    /// Response of the nodes to the left end, from node 1 on, and to the right end, from node n - 1 down, as far as it is not negligible.
     follow: [Vec<f64>; 2],
 }
 
 impl Matrix {
-    /// From its diagonal (one entry a node) and the elements between neighbouring nodes (one a cell, at least two cells).
-    /// It must be positive definite.
+    /// Factors the matrix with this diagonal (one entry per node) and these elements between neighbouring nodes (one per cell, at least two
+    /// cells). It must be positive definite.
     pub fn new(cells: usize, diagonal: impl Fn(usize) -> f64, between: impl Fn(usize) -> f64) -> Self {
         let middle = cells / 2;
         let mut inverse = vec![0.0; cells + 1];
@@ -86,7 +86,7 @@ impl Matrix {
         matrix
     }
 
-    /// Cuts both halves in two if few nodes ahead of a place are felt there.
+    /// Splits both halves in two if few nodes ahead of a place affect it.
     fn cut_halves(&mut self) {
         let piece = (self.middle - 1) / 2;
         let largest = self.beside.iter().flatten().fold(0.0, |largest: f64, beside| largest.max(beside.abs()));
@@ -96,7 +96,7 @@ impl Matrix {
         }
     }
 
-    /// What the ends keep of their diagonal, and how the other nodes follow them.
+    /// Computes the effective masses of the ends, their coupling, and the response of the other nodes to them.
     fn eliminate_ends(&mut self, diagonal: [f64; 2]) {
         let (n, off) = (self.cells, self.off);
         let [mut left, mut right] = [(1, off[0]), (n - 1, off[1])].map(|(node, element)| {
@@ -116,7 +116,7 @@ impl Matrix {
         });
     }
 
-    /// Solves for the nodes between the ends, both ends at 0; `x` holds the right sides, and then the solution.
+    /// Solves for the nodes between the ends, with both ends at 0; `x` holds the right-hand sides, which are replaced by the solution.
     pub fn solve(&self, x: &mut [f64]) {
         let n = self.cells;
         if self.diagonal {
@@ -127,7 +127,7 @@ impl Matrix {
         self.substitute(x);
     }
 
-    /// From both ends to the middle node, which is solved for.
+    /// Eliminates the nodes from both ends to the middle node, and solves for the latter.
     #[inline(always)]
     fn eliminate(&self, x: &mut [f64]) {
         let [beside_left, beside_right] = &self.beside;
@@ -142,7 +142,7 @@ impl Matrix {
             }
             [left, right] = [left, right].map(something);
         }
-        // With an odd number of cells there is one node more on the right.
+        // With an odd number of cells there is one more node on the right.
         for k in both..nodes {
             right = x_right[nodes - 1 - k] - beside_right[k] * right;
             x_right[nodes - 1 - k] = right;
@@ -150,7 +150,7 @@ impl Matrix {
         *x_middle = (*x_middle - beside_left[both] * left - beside_right[nodes] * right) * self.inverse[self.middle];
     }
 
-    /// The pieces of both halves, from the ends on; returns the last values.
+    /// Eliminates the pieces of both halves, starting from the ends. Returns the last values.
     #[inline(always)]
     fn eliminate_pieces(&self, x_left: &mut [f64], x_right: &mut [f64]) -> [f64; 2] {
         let (piece, [beside_left, beside_right]) = (self.piece, &self.beside);
@@ -178,7 +178,7 @@ impl Matrix {
         [b, d]
     }
 
-    /// Back, outwards: what is beside a node stands in the row of its neighbour.
+    /// Substitutes back, from the middle outwards: the element of W beside a node is in the row of its neighbour.
     #[inline(always)]
     fn substitute(&self, x: &mut [f64]) {
         let (middle, [beside_left, beside_right]) = (self.middle, &self.beside);
@@ -201,7 +201,7 @@ impl Matrix {
         }
     }
 
-    /// The pieces of both halves, from the middle on; returns the last values.
+    /// Substitutes back in the pieces of both halves, starting from the middle. Returns the last values.
     #[inline(always)]
     fn substitute_pieces(&self, x_left: &mut [f64], middle: f64, x_right: &mut [f64]) -> [f64; 2] {
         let (piece, [beside_left, beside_right]) = (self.piece, &self.beside);
@@ -213,7 +213,7 @@ impl Matrix {
             b = x_left[i] * inverse_left[i] - beside_left[i + 1] * b;
             d = x_right[k] * inverse_right[k] - beside_right[nodes - k] * d;
         }
-        // Slices of one length, so that no index needs a look.
+        // Slices of equal length, so that no index needs a bounds check.
         let ([far, near], first) = ([both - 2 * piece, both - piece], nodes - 2 * piece);
         let (inverse_a, inverse_b) = (&inverse_left[near..near + piece], &inverse_left[far..far + piece]);
         let (inverse_c, inverse_d) = (&inverse_right[..piece], &inverse_right[piece..2 * piece]);
@@ -235,7 +235,7 @@ impl Matrix {
         if piece > 0 { [b, d] } else { [middle; 2] }
     }
 
-    /// The nodes left of the middle one, that, and those right of it, without the ends.
+    /// Returns the nodes left of the middle one, the middle one, and those right of it, without the ends.
     #[inline(always)]
     fn halves<'a>(&self, x: &'a mut [f64]) -> (&'a mut [f64], &'a mut f64, &'a mut [f64]) {
         let (left, rest) = x[1..self.cells].split_at_mut(self.middle - 1);
@@ -243,12 +243,12 @@ impl Matrix {
         (left, middle, right)
     }
 
-    /// What the nodes between the ends leave of the right sides of the two ends; `x` is their solution with both ends at 0.
+    /// Returns what the nodes between the ends leave of the right-hand sides of the two ends; `x` is their solution with both ends at 0.
     pub fn left_for_ends(&self, right_sides: [f64; 2], x: &[f64]) -> [f64; 2] {
         [right_sides[0] - self.off[0] * x[1], right_sides[1] - self.off[1] * x[self.cells - 1]]
     }
 
-    /// Adds what the ends' own changes make of the nodes between them.
+    /// Adds the response of the nodes between the ends to the ends' own changes.
     pub fn follow_ends(&self, ends: [f64; 2], x: &mut [f64]) {
         let inner = &mut x[1..self.cells];
         for (x, follow) in inner.iter_mut().zip(&self.follow[0]) {
@@ -259,17 +259,17 @@ impl Matrix {
         }
     }
 
-    /// Effective masses of the ends, kg.
+    /// Returns the effective masses of the ends, kg.
     pub fn end_masses(&self) -> [f64; 2] {
         self.own
     }
 
-    /// What couples the ends directly, kg.
+    /// Returns the direct coupling between the ends, kg.
     pub fn cross(&self) -> f64 {
         self.cross
     }
 
-    /// Numbers in memory.
+    /// Returns the number of stored floating-point numbers.
     pub fn len(&self) -> usize {
         self.beside[0].len() + self.beside[1].len() + self.inverse.len() + self.follow[0].len() + self.follow[1].len()
     }

@@ -6,16 +6,16 @@
 //! M w + B w + (K dt^2/4) w + (dt/2) C w = dt (F - K u) - dt C v- + dt R
 //! ```
 //!
-//! F is the force of the stresses, R that of the ends; M are the nodes' masses, B = rho nu^2 r^2 A/dx in the pattern of
-//! neighbouring nodes (Love: the kinetic energy of the sideways motion is rho nu^2 r^2 (d eps/dt)^2/2 per volume), C the
-//! dampers: internal ones c1 A/dx in the same pattern, external ones c2 dx at each node; K = k dx is the foundation. The
-//! dampers act with the mean velocity of the step, the foundation with the mean (u- + 2 u + u+)/4 of the displacements: of
-//! second order, stable for any constants at any Courant number that the plain scheme takes, and their work is known
-//! exactly. External drag alone slows a node down by its exact exponential. Dry friction, which goes without B and c1, is added to
-//! what a node does without it, see [`friction`].
+//! F is the force of the stresses, R that of the ends, and M are the nodes' masses. B = rho nu^2 r^2 A/dx couples neighbouring nodes (Love:
+//! the kinetic energy of the lateral motion is rho nu^2 r^2 (d eps/dt)^2/2 per volume). C are the dampers: internal ones c1 A/dx, which
+//! couple neighbouring nodes in the same way, and external ones c2 dx at each node. K = k dx is the foundation. The dampers act with the
+//! mean velocity of the step, the foundation with the mean (u- + 2 u + u+)/4 of the displacements. This is of second order, stable for any
+//! constants at any Courant number that the plain scheme allows, and the work of both is known exactly. External drag alone slows a node
+//! down by its exact exponential. Dry friction, which requires B and c1 to be zero, is added to the motion of a node without it, see
+//! [`friction`].
 //!
-//! The matrix never changes, so it is factored once; a step is one forward and one backward sweep. Everything goes on with
-//! the same stresses as before: laws, blocks and ends know nothing of it.
+//! The matrix never changes, so it is factored once; a step is one forward and one backward sweep. The rest of the scheme is unchanged:
+//! laws, blocks and ends are independent of these forces.
 
 mod account;
 mod friction;
@@ -34,7 +34,7 @@ use account::Taken;
 use matrix::Matrix;
 use weights::{CellWeights, Weights};
 
-/// What acts along the bar; 0 where there is none of a kind.
+/// Forces distributed along the bar; 0 for each kind that is absent.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DistributedForces {
     /// c1: stress per strain rate (Kelvin, Voigt), Pa s, >= 0.
@@ -43,29 +43,29 @@ pub struct DistributedForces {
     pub external: f64,
     /// k: force per length and displacement, N/m^2, >= 0.
     pub foundation: f64,
-    /// f: force per length against the velocity (Coulomb), N/m, >= 0; 0 where `internal` or `lateral` is not.
+    /// f: force per length against the velocity (Coulomb), N/m, >= 0; must be 0 unless `internal` and `lateral` are 0.
     pub friction: f64,
-    /// Of each segment: square of Poisson's ratio times the section's polar radius of gyration, m^2, >= 0.
+    /// For each segment: square of the product of Poisson's ratio and the section's polar radius of gyration, m^2, >= 0.
     pub lateral: Vec<f64>,
 }
 
 impl DistributedForces {
-    /// Nothing acts along the bar.
+    /// Returns true if no force acts along the bar.
     pub fn is_nothing(&self) -> bool {
         let mut all =
             self.lateral.iter().copied().chain([self.internal, self.external, self.foundation, self.friction]);
         all.all(|x| x == 0.0)
     }
 
-    /// Memory that a cell takes for it, before and after the bar has yielded, bytes; more only in the few cells next to the
-    /// ends that follow them.
+    /// Returns the additional memory per cell before and after the bar has yielded, bytes. The few cells next to the ends that follow them
+    /// need more.
     pub fn bytes_per_cell(&self) -> [usize; 2] {
         let elastic = 4 + usize::from(self.foundation > 0.0) + usize::from(self.friction > 0.0);
         [elastic, elastic + 1].map(|numbers| numbers * size_of::<f64>())
     }
 }
 
-/// There are internal and external dampers; some cells move sideways.
+/// Kinds of forces that are present: internal and external dampers, and lateral inertia in some cells.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct ActiveForces {
     internal: bool,
@@ -73,7 +73,7 @@ struct ActiveForces {
     lateral: bool,
 }
 
-/// The nodes of a bar along which something acts.
+/// Nodes of a bar with distributed forces.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Implicit {
     #[serde(skip)]
@@ -82,32 +82,32 @@ pub(super) struct Implicit {
     matrix: Matrix,
     /// Velocities half a step after the current time, m/s.
     after: Vec<f64>,
-    /// Their change in the latest step.
+    /// Velocity changes in the latest step, m/s.
     change: Vec<f64>,
     /// Displacements at the current time, m; empty without a foundation.
     place: Vec<f64>,
-    /// Impulses of friction on the nodes in the latest step, N s in +x; empty without it.
+    /// Impulses of friction on the nodes in the latest step, N s in +x; empty without friction.
     rubbing: Vec<f64>,
-    /// What the grid filter and fans added to the velocities in the latest step, m/s; empty until the bar yields.
+    /// Velocity changes by the grid filter and by fans in the latest step, m/s; empty until the bar yields.
     shift: Vec<f64>,
     active: ActiveForces,
     latest: Taken,
-    /// Energy taken by dampers so far, J, as the staggered scheme balances it and with the mean velocity of each step; and by the ripple
-    /// damping.
+    /// Energy dissipated by dampers so far, J, as the staggered scheme balances it, and with the mean velocity of each step; and energy
+    /// taken by the grid filter, J.
     damped: f64,
     damped_by_means: f64,
     filtered: f64,
     impulse: f64,
     throughput: f64,
-    /// K dt^2/4 v^2/2 at the start, J: the foundation's energy is counted from there.
+    /// K dt^2/4 v^2/2 at the start, J, from which the foundation's energy is counted.
     spring_start: f64,
-    /// The right end's change in the latest step, where the search for both ends' begins.
+    /// Velocity change of the right end in the latest step, m/s, where the search for those of both ends begins.
     right_change: f64,
     started: bool,
 }
 
 impl Implicit {
-    /// The nodes at t = 0, with these velocities, before anything acts on them.
+    /// Creates the nodes at t = 0, with these velocities, before anything acts on them.
     pub fn new(along: &DistributedForces, grid: &Grid, constants: &[Constants], velocities: Vec<f64>) -> Self {
         // In the step around t = 0 the dampers act for half of it.
         let weights = Weights::new(along, grid, constants, 0.5);
@@ -137,13 +137,13 @@ impl Implicit {
         }
     }
 
-    /// Takes over the state of nodes that were saved, without their weights and matrix, which do not change.
+    /// Restores saved nodes. Their weights and matrix are not saved, as these do not change.
     pub fn restore(&mut self, saved: Self) {
         let before = std::mem::replace(self, saved);
         (self.weights, self.matrix) = (before.weights, before.matrix);
     }
 
-    /// The first step, around t = 0; all later ones have the whole damping.
+    /// Takes the first step, around t = 0, with half the damping; all later steps have the full damping.
     pub fn start(
         &mut self,
         along: &DistributedForces,
@@ -160,8 +160,8 @@ impl Implicit {
         self.give_masses([left, right]);
     }
 
-    /// The first step of a bar under stress: from the velocities half a step before t = 0 from which stresses and dampers would have made
-    /// those of the start, to half a step after it. Friction acts from t = 0 on; the account starts there.
+    /// Takes the first step of a bar under initial stress: from half a step before t = 0, with the velocities from which stresses and
+    /// dampers would have produced the initial ones, to half a step after it. Friction acts from t = 0 on, where the account starts.
     pub fn start_under(
         &mut self,
         along: &DistributedForces,
@@ -181,13 +181,13 @@ impl Implicit {
         right.start_before(self.after[n]);
         self.spring_start = self.foundation_of_motion(|v, _| v);
         self.advance(0.0, blocks, [&mut *left, &mut *right]);
-        // What holds a node at rest held it for half a step so far.
+        // The friction that holds a node at rest has acted for half a step only.
         let resting = self.rubbing.iter_mut().zip(&self.after).filter(|(_, v)| **v == 0.0);
         resting.for_each(|(impulse, _)| *impulse *= 2.0);
         self.count_from_here();
     }
 
-    /// Makes the changes of all nodes of the impulses on them in `change`, with nothing at the ends.
+    /// Solves for the velocity changes of all nodes from the impulses in `change`, with free ends.
     fn solve_free(&mut self) {
         let n = self.change.len() - 1;
         let right_sides = [self.change[0], self.change[n]];
@@ -200,15 +200,14 @@ impl Implicit {
         [self.change[0], self.change[n]] = ends;
     }
 
-    /// Tells the ends what they move.
+    /// Passes their effective masses to the ends.
     fn give_masses(&self, [left, right]: [&mut EndNode; 2]) {
         let [first, last] = self.matrix.end_masses();
         left.set_mass(first);
         right.set_mass(last);
     }
 
-    /// Takes the nodes from half a step before `time` to half a step after it. The ends know what they
-    /// move.
+    /// Advances the nodes from half a step before `time` to half a step after it. The ends must have their effective masses.
     pub fn advance(&mut self, time: f64, blocks: &[Block], [left, right]: [&mut EndNode; 2]) {
         if self.started {
             let dt = self.weights.dt;
@@ -239,12 +238,12 @@ impl Implicit {
         self.right_change = changes[1];
         self.account();
         self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v += change);
-        // To the last bit what the ends say of themselves.
+        // The same bits as the velocities of the ends.
         [self.after[0], self.after[n]] = [left.velocity_after(), right.velocity_after()];
         self.started = true;
     }
 
-    /// Into `change`: the impulses on the nodes, dampers with the velocities before the step.
+    /// Stores the impulses on the nodes in `change`, those of dampers with the velocities before the step.
     fn form_right_sides(&mut self, blocks: &[Block]) {
         let (v, change) = (&self.after[..], &mut self.change[..]);
         let mut from_left = 0.0;
@@ -276,8 +275,8 @@ impl Implicit {
         }
     }
 
-    /// The ends take their step with the impulses (N s in +x) that all nodes between them leave. Each acts on the other
-    /// through the bar: the changes that fit both are the fixed point of answering each other.
+    /// Advances the ends with the impulses (N s in +x) that remain after the elimination of all nodes between them. Each end acts on the
+    /// other through the bar: the velocity changes that satisfy both ends are the fixed point of their responses to each other.
     fn move_ends(&self, time: f64, pulls: [f64; 2], blocks: &[Block], left: &mut EndNode, right: &mut EndNode) {
         let cross = self.matrix.cross();
         let change = if cross == 0.0 { 0.0 } else { self.right_end_change(time, pulls, left, right) };
@@ -287,8 +286,8 @@ impl Implicit {
         right.advance_by(time, pulls[1] - cross * change, last.sigma[last.sigma.len() - 1]);
     }
 
-    /// Change of the right end's velocity that the left end's answer to it brings about. An end that is given an impulse moves by at most
-    /// what it alone would: the answer is a contraction, which bounds the root.
+    /// Returns the velocity change of the right end that is consistent with the left end's response to it. An impulse moves an end by at
+    /// most as much as it moves the end's mass alone: the response is a contraction, which bounds the root.
     fn right_end_change(&self, time: f64, pulls: [f64; 2], left: &EndNode, right: &EndNode) -> f64 {
         let (cross, [first, last]) = (self.matrix.cross(), self.matrix.end_masses());
         let answer = |guess: f64| {
@@ -300,37 +299,37 @@ impl Implicit {
         fixed_point(guess, [guess - reach, guess + reach], TO_ROUNDING, answer)
     }
 
-    /// Gives a block its nodes' velocities.
+    /// Copies the velocities of its nodes to a block.
     pub fn share(&self, block: &mut Block) {
         block.v.copy_from_slice(&self.after[block.cells.start..=block.cells.end]);
     }
 
-    /// Velocities of a node half a step before and after the current time, m/s.
+    /// Returns the velocities of a node half a step before and after the current time, m/s.
     pub fn velocities(&self, node: usize) -> [f64; 2] {
         [self.after[node] - self.change[node], self.after[node]]
     }
 
-    /// Velocity of a node at the current time, m/s.
+    /// Returns the velocity of a node at the current time, m/s.
     pub fn velocity(&self, node: usize) -> f64 {
         let [before, after] = self.velocities(node);
         0.5 * (before + after)
     }
 
-    /// Memory, bytes.
+    /// Returns the memory used, bytes.
     pub fn bytes(&self) -> usize {
         let nodes = [&self.after, &self.change, &self.place, &self.rubbing, &self.shift].map(Vec::len);
         (nodes.iter().sum::<usize>() + self.matrix.len()) * size_of::<f64>()
     }
 }
 
-/// Of the changes of the ends' velocities.
+/// Tolerance of the velocity changes of the ends.
 const TO_ROUNDING: Tolerance = Tolerance { relative: 2.0 * f64::EPSILON, absolute: 0.0 };
 
 fn factored(weights: &Weights) -> Matrix {
     Matrix::new(weights.count(), |j| weights.diagonal(j), |i| weights.between(i))
 }
 
-/// Impulses of the stresses and internal dampers on the nodes inside a block, `v` being those of all its nodes.
+/// Computes the impulses of stresses and internal dampers on the nodes inside a block; `v` are the velocities of all its nodes.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn stress_impulses(w: &CellWeights, sigma: &[f64], v: &[f64], out: &mut [f64]) {
     let nodes = out.len();

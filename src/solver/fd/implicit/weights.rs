@@ -6,26 +6,26 @@ use super::DistributedForces;
 use crate::solver::fd::Grid;
 use crate::solver::fd::segment::Constants;
 
-/// A cell, by segment.
+/// Weights of a cell, by segment.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CellWeights {
     /// A dt: impulse per stress, m^2 s.
     pub impulse: f64,
     /// dt c1 A/dx: impulse per velocity difference, kg.
     pub viscous: f64,
-    /// rho nu^2 r^2 A/dx: mass of the sideways motion per velocity difference, kg.
+    /// rho nu^2 r^2 A/dx: mass of the lateral motion per velocity difference, kg.
     pub lateral: f64,
 }
 
-/// A node.
+/// Weights of a node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NodeWeights {
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
     /// dt c2 times the node's length: impulse per velocity, kg.
     pub drag: f64,
-    /// Mass beside `mass` with which the drag's change within the step acts, kg: m (z/(1 - exp(-z)) - 1) with z = drag/m,
-    /// half of `drag` where z is small. A node on which nothing else acts then slows down exactly.
+    /// Mass in addition to `mass` with which the drag's change within the step acts, kg: m (z/(1 - exp(-z)) - 1) with z = drag/m, half of
+    /// `drag` if z is small. A node on which nothing else acts then slows down exactly.
     pub drag_mass: f64,
     /// k times the node's length, N/m.
     pub spring: f64,
@@ -33,21 +33,22 @@ pub(super) struct NodeWeights {
     pub friction: f64,
 }
 
-/// All cells and nodes of a bar.
+/// Weights of all cells and nodes of a bar.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weights {
     pub dt: f64,
     parts: Vec<Range<usize>>,
-    /// One entry a segment.
+    /// One entry per segment.
     cells: Vec<CellWeights>,
-    /// Nodes inside a segment.
+    /// Nodes inside each segment.
     inner: Vec<NodeWeights>,
     /// Left end, joints, right end.
     joints: Vec<NodeWeights>,
 }
 
 impl Weights {
-    /// `share` of the dampers' forces acts in the step: 1/2 in the one around t = 0, before which there are none.
+    /// Computes the weights. The fraction `share` of the dampers' forces acts in the step: 1/2 in the one around t = 0, before which there
+    /// are none.
     pub fn new(along: &DistributedForces, grid: &Grid, constants: &[Constants], share: f64) -> Self {
         let dt = grid.dt;
         let cell = |k: usize| {
@@ -82,17 +83,17 @@ impl Weights {
         }
     }
 
-    /// Cells of the bar.
+    /// Returns the number of cells of the bar.
     pub fn count(&self) -> usize {
         self.parts[self.parts.len() - 1].end
     }
 
-    /// Segments with their cells.
+    /// Returns the segments with their cells.
     pub fn cells(&self) -> impl Iterator<Item = (&CellWeights, Range<usize>)> {
         self.cells.iter().zip(self.parts.iter().cloned())
     }
 
-    /// All nodes from left to right, in runs of equal ones.
+    /// Returns all nodes from left to right, in runs of equal ones.
     pub fn nodes(&self) -> impl Iterator<Item = (&NodeWeights, Range<usize>)> {
         let runs = self.parts.iter().enumerate().flat_map(|(k, part)| {
             [(&self.joints[k], part.start..part.start + 1), (&self.inner[k], part.start + 1..part.end)]
@@ -101,7 +102,7 @@ impl Weights {
         runs.chain([(&self.joints[self.parts.len()], n..n + 1)])
     }
 
-    /// One cell.
+    /// Returns the weights of one cell.
     pub fn cell(&self, cell: usize) -> &CellWeights {
         &self.cells[self.parts.partition_point(|part| part.end <= cell)]
     }
@@ -117,17 +118,17 @@ impl Weights {
         }
     }
 
-    /// What a node that stands for itself has for a mass in the node update, kg.
+    /// Returns the mass of a node in the node update if it is not coupled to others, kg.
     pub fn mass_of(&self, w: &NodeWeights) -> f64 {
         w.mass + w.drag_mass + 0.25 * self.dt * self.dt * w.spring
     }
 
-    /// Largest impulse of friction on a node, N s.
+    /// Returns the largest impulse of friction on a node, N s.
     pub fn friction(&self, node: usize) -> f64 {
         self.node(node).friction
     }
 
-    /// Diagonal of the matrix of the node update, kg.
+    /// Returns the diagonal element of the matrix of the node update, kg.
     pub fn diagonal(&self, node: usize) -> f64 {
         let w = self.node(node);
         let left = if node > 0 { -self.between(node - 1) } else { 0.0 };
@@ -135,7 +136,7 @@ impl Weights {
         self.mass_of(w) + left + right
     }
 
-    /// Element of the matrix between the nodes of a cell, kg.
+    /// Returns the element of the matrix between the nodes of a cell, kg.
     pub fn between(&self, cell: usize) -> f64 {
         let w = self.cell(cell);
         -(w.lateral + 0.5 * w.viscous)

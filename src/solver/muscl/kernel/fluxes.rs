@@ -1,4 +1,4 @@
-//! What goes through the faces of a yielded row, where that is not the acoustic answer.
+//! Fluxes through those faces of a yielded row for which the acoustic solution does not hold.
 
 use std::ops::Range;
 
@@ -8,7 +8,8 @@ use crate::solver::muscl::history::WITHIN;
 use crate::solver::muscl::part::Part;
 use crate::wave::riemann::{FaceState, Point, Workspace};
 
-/// The faces between cells that lie on one line of a curve, or flow along it: 1 where they are, 0 elsewhere. Up to `limit` (Pa) all is elastic.
+/// Solves the faces between cells that lie on one line of a curve, or flow along it. Returns 1 for these faces and 0 for all others. Stresses up to
+/// `limit` (Pa) are elastic.
 fn correct_flowing(part: &Part, limit: f64, cells: Range<usize>, scratch: &mut Scratch) -> [f64; ROW] {
     let Scratch { carried: Reconstructed { left, right }, through, flowing, .. } = scratch;
     let mut solved = [0.0; ROW];
@@ -21,7 +22,7 @@ fn correct_flowing(part: &Part, limit: f64, cells: Range<usize>, scratch: &mut S
     solved
 }
 
-/// The faces of a row whose answer is not the acoustic one, where the curve is followed both ways.
+/// Corrects the faces of a row to which the acoustic solution does not apply, where the curve is followed both ways.
 pub(super) fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let (row, limit) = (block.sigma.len(), part.limit * (1.0 + WITHIN));
     let cells = block.carried();
@@ -35,7 +36,7 @@ pub(super) fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratc
     }
     let solved = correct_flowing(part, limit, cells.clone(), scratch);
     let Scratch { carried: Reconstructed { left, right }, through, ahead, .. } = scratch;
-    // Where no strain is beyond the limit stress and strain are one.
+    // Within the limit, stress and strain are equivalent.
     let inside = |near: &FaceState| near.point.stress.abs() <= limit && near.point.plastic.abs() <= WITHIN * limit;
     let near = |stress: f64, velocity: f64, plastic: f64| FaceState {
         point: Point { stress, velocity, plastic, ..Point::default() },
@@ -51,8 +52,8 @@ pub(super) fn correct_curve(block: &mut Block, part: &Part, scratch: &mut Scratc
     }
 }
 
-/// What flowing cells gain of stress along the curve in half a step. That is only foreseen: a wave from next door may take
-/// it back, and then as if it had not been, along the curve. Were it taken back elastically, fronts would leave ripples.
+/// Computes the stress that flowing cells gain along the curve in half a step. It is only predicted: a wave from a neighbour may take it back, and
+/// then along the curve, as if it had never been gained. If it were taken back elastically, fronts would leave ripples.
 fn gain(block: &Block, part: &Part, cells: Range<usize>, scratch: &mut Scratch) {
     let Scratch { ahead, gained, flowing, .. } = scratch;
     let isotropic = part.isotropic();
@@ -71,7 +72,7 @@ fn gain(block: &Block, part: &Part, cells: Range<usize>, scratch: &mut Scratch) 
     }
 }
 
-/// The same, where cells have histories.
+/// Corrects the faces of a row to which the acoustic solution does not apply, where cells have histories.
 pub(super) fn correct_history(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let (row, limit) = (block.sigma.len(), part.limit * (1.0 + WITHIN));
     let isotropic = part.isotropic();

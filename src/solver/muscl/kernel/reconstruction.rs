@@ -1,4 +1,4 @@
-//! States at the faces of a yielded row, half a step on.
+//! States at the faces of a yielded row, half a step ahead.
 
 use multiversion::multiversion;
 
@@ -9,7 +9,7 @@ use crate::solver::muscl::front;
 use crate::solver::muscl::part::Part;
 use crate::solver::muscl::slope::{cap, capped, limited};
 
-/// Slopes of stress, half a step's strain, and velocities at the faces.
+/// Computes slopes of stress, strain increments of half a step, and velocities at the faces.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratch) {
     let row = sigma.len();
@@ -29,13 +29,12 @@ fn carry_motion(elastic: Elastic, sigma: &[f64], v: &[f64], scratch: &mut Scratc
     }
 }
 
-/// Sets the slopes of some cells to zero.
+/// Sets the slopes of some cells to zero:
 ///
-/// - Inside shocks of a stiffening curve, and those that reverse the strain where a curve is followed both ways. With slopes
-///   the scheme may hold a shock together that should split further on, at a wrong speed whatever the resolution; without
-///   them its flux, that of the hull, decides.
-/// - Where the curve has a level stretch, in cells to which slopes have given energy, and next to them, until the scheme has
-///   taken it back. Without slopes it takes energy in every cell.
+/// - Inside shocks of a stiffening curve, and shocks that reverse the strain where the curve is followed both ways. With slopes the scheme may keep a
+///   shock together that should split, with a wrong speed at any resolution; without them its flux, that of the hull, decides.
+/// - If the curve has a level part, in cells to which slopes have given energy, and next to them, until the scheme has dissipated it. Without slopes
+///   it dissipates energy in every cell.
 fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     scratch.in_shock[..row].fill(false);
@@ -51,7 +50,7 @@ fn flatten(block: &Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
-/// Steeper slopes for cells inside fronts along a line of the curve.
+/// Sets steeper slopes for cells inside fronts along a line of the curve.
 fn sharpen(block: &Block, part: &Part, scratch: &mut Scratch) {
     let Scratch { carried, increment, slope, strain_slope, flat, stress: sizes, lost: may_be_inside, .. } = scratch;
     front::find(&block.sigma, part.limit, sizes, may_be_inside);
@@ -68,7 +67,7 @@ fn sharpen(block: &Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
-/// E times the strains of a row where the curve is followed both ways, from stresses and the rest of it, and their slopes.
+/// Computes E times the strains of a row, from stresses and E times plastic strains, and their slopes, where the curve is followed both ways.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn slopes_of_strain(sigma: &[f64], plastic: &[f64], scratch: &mut Scratch) {
     let row = sigma.len();
@@ -83,7 +82,7 @@ fn slopes_of_strain(sigma: &[f64], plastic: &[f64], scratch: &mut Scratch) {
     }
 }
 
-/// E times the strains at the faces, half a step on, in place of stresses.
+/// Computes E times the strains at the faces, half a step ahead, in place of stresses.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn carry_strain(row: usize, scratch: &mut Scratch) {
     let Scratch { carried, e_equivalent_strain, increment, strain_slope, .. } = scratch;
@@ -96,7 +95,7 @@ fn carry_strain(row: usize, scratch: &mut Scratch) {
     }
 }
 
-/// States at the faces where the curve is followed both ways: from slopes of strain.
+/// Computes the states at the faces from slopes of strain, where the curve is followed both ways.
 pub(super) fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     carry_motion(Elastic::of(part), &block.sigma, &block.v, scratch);
@@ -105,7 +104,7 @@ pub(super) fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
     sharpen(block, part, scratch);
     carry_strain(row, scratch);
     let Scratch { carried, ahead, increment, .. } = scratch;
-    // Strain, from a state of nothing at all, gives the stress of the curve and what is left of the strain.
+    // Applied to a zero state, the strain gives the stress of the curve and the remaining (plastic) strain.
     let (of_left, of_right) = ahead.state[..2 * row].split_at_mut(row);
     for (at_face, plastic) in [(&mut carried.left[0], of_left), (&mut carried.right[0], of_right)] {
         increment[..row].copy_from_slice(&at_face[..row]);
@@ -115,7 +114,7 @@ pub(super) fn carry_curve(block: &Block, part: &Part, scratch: &mut Scratch) {
     }
 }
 
-/// States at the faces where cells have histories: from slopes of stress, half a step on by the law.
+/// Computes the states at the faces from slopes of stress, advanced by half a step with the law, where cells have histories.
 pub(super) fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     let row = block.sigma.len();
     let law = part.law.law.as_ref();
@@ -128,7 +127,7 @@ pub(super) fn carry_history(block: &Block, part: &Part, scratch: &mut Scratch) {
     state.copy_from_slice(&block.state);
     let (sigma, work) = (&mut ahead.sigma[..row], &mut ahead.work[..row]);
     strain(law, &block.histories, &increment[..row], sigma, state, work);
-    // A cell that comes to its yield stress and no farther does not flow, whatever rounding says.
+    // A cell that just reaches its yield stress does not flow, whatever rounding says.
     for (work, &sigma) in ahead.work[..row].iter_mut().zip(&ahead.sigma[..row]) {
         *work = if flows(*work, sigma) { *work } else { 0.0 };
     }

@@ -1,12 +1,12 @@
-//! Split-Hopkinson (Kolsky) bar: from the strain gauges on the bars to the specimen's stress, strain and strain rate.
+//! Split-Hopkinson (Kolsky) bar: stress, strain and strain rate of the specimen from the strain gauges on the bars.
 //!
-//! With the incident, reflected and transmitted strains i, r and t at the faces of the specimen (the gauge records, shifted by their
-//! distances over the bar speed c), positive in the sense of the incident pulse:
-//! faces `v1 = c1 (i - r)`, `v2 = c2 t`; forces `F1 = E1 A1 (i + r)`, `F2 = E2 A2 t`.
-//! Three waves: rate `(v1 - v2)/L`, stress `(F1 + F2)/(2 A_s)`. One wave, which assumes equilibrium, `F1 = F2`: stress `F2/A_s`, rate
-//! `(-2 c1 r + (c1 E2 A2/(E1 A1) - c2) t)/L`, between equal bars `-2 c1 r/L`.
-//! The zero offset of a gauge, its mean before the pulse, is removed.
-//! H. Kolsky, Proc. Phys. Soc. B 62, 1949; G. T. Gray, ASM Handbook 8, 2000.
+//! The incident, reflected and transmitted strains i, r and t at the faces of the specimen are the gauge records, shifted by the gauge distances over
+//! the bar speed c. They are positive in the sense of the incident pulse. Face velocities: `v1 = c1 (i - r)`, `v2 = c2 t`. Face forces:
+//! `F1 = E1 A1 (i + r)`, `F2 = E2 A2 t`.
+//!
+//! Three-wave analysis: rate `(v1 - v2)/L`, stress `(F1 + F2)/(2 A_s)`. One-wave analysis, which assumes equilibrium, `F1 = F2`: stress `F2/A_s`,
+//! rate `(-2 c1 r + (c1 E2 A2/(E1 A1) - c2) t)/L`, which is `-2 c1 r/L` for equal bars. The zero offset of a gauge, its mean before the pulse, is
+//! removed. H. Kolsky, Proc. Phys. Soc. B 62, 1949; G. T. Gray, ASM Handbook 8, 2000.
 //!
 //! Dispersion in the bars is not corrected.
 

@@ -1,4 +1,4 @@
-//! What a record holds before the pulse, and the incident pulse.
+//! Zero offsets of the records and the incident pulse.
 
 use std::ops::Range;
 
@@ -8,42 +8,43 @@ use crate::root::bisect;
 use crate::study::invert::noise::at;
 use crate::study::invert::zero::{QUIET, Zeroed, mean};
 
-/// The incident pulse at its gauge.
+/// Incident pulse at its gauge.
 pub(super) struct Pulse {
     pub(super) sign: f64,
-    /// s.
+    /// Arrival time, s.
     pub(super) arrival: f64,
-    /// s.
+    /// Duration, s.
     pub(super) lasts: f64,
 }
 
-/// Part of the largest strain at which a pulse arrives and ends.
+/// Fractions of the largest strain at which a pulse arrives and ends.
 const ARRIVES: f64 = 0.05;
 const ENDS: f64 = 0.1;
 
-/// Part of the largest strain that only a pulse has: offsets and noise are smaller.
+/// Fraction of the largest strain that only a pulse reaches: zero offsets and noise are smaller.
 const RISEN: f64 = 0.25;
 
-/// Part of the time to the reflected pulse in which the incident one is looked at: positions and speeds are not exact.
+/// Fraction of the time to the reflected pulse during which the incident pulse is evaluated, because distances and speeds are not exact.
 const ALONE: f64 = 0.98;
 
-/// Part of that time by which the reflected pulse may miss its computed arrival.
+/// Fraction of the time to the reflected pulse by which its arrival may differ from the computed one.
 const MISSED: f64 = 1.0 - ALONE;
 
-/// Part of that time over whose mean the incident pulse has ended.
+/// Fraction of the time to the reflected pulse over which the strain is averaged to decide whether the incident pulse has ended.
 const LAST: f64 = 0.02;
 
-/// Fewest samples whose mean is a zero offset, and the part of the largest strain up to which fewer do.
+/// Fewest samples for which the mean counts as a zero offset up to `RISEN` of the largest strain. With fewer samples it may be at most `SMALL` of the
+/// largest strain.
 const FEWEST: usize = 10;
 const SMALL: f64 = 0.01;
 
-/// A pulse is seen in a single record where it is this many times the noise.
+/// Ratio to the noise above which a single record shows a pulse.
 const CLEAR: f64 = 8.0;
 
-/// Part of that time to which the arrival of the reflected pulse is found.
+/// Precision of the arrival time of the reflected pulse, relative to the time to it.
 const PRECISE: f64 = 1e-5;
 
-/// The records without their zero offsets, incident and transmitted, and the incident pulse.
+/// Returns the incident and transmitted records without their zero offsets, and the incident pulse.
 pub(super) fn separate(setup: &Setup, records: &Records) -> Result<([Zeroed; 2], Pulse)> {
     let (time, strain) = &records.incident;
     let first = arrival(strain).ok_or_else(|| {
@@ -60,7 +61,7 @@ pub(super) fn separate(setup: &Setup, records: &Records) -> Result<([Zeroed; 2],
     Ok(([incident, transmitted], pulse))
 }
 
-/// Refuses what is no zero offset of the incident gauge: a level of the pulse.
+/// Refuses a zero offset of the incident gauge that is so large that the record must start inside the pulse.
 fn starts_before(zeroed: &Zeroed, strain: &[f64]) -> Result<()> {
     let largest = strain.iter().fold(0.0_f64, |top, e| top.max(e.abs()));
     let most = if zeroed.samples < FEWEST { SMALL } else { RISEN };
@@ -78,11 +79,11 @@ fn starts_before(zeroed: &Zeroed, strain: &[f64]) -> Result<()> {
         .into())
 }
 
-/// The first row of the pulse: where the strain, on its way to what only a pulse has, leaves that of the start.
+/// Returns the first row of the pulse: where the strain leaves its initial level before it reaches a value that only a pulse has.
 fn arrival(strain: &[f64]) -> Option<usize> {
     let mut quiet = (strain.len() / 100).clamp(1, 50).min(strain.len());
     let mut first = None;
-    // The second time the offset is that of the whole quiet part.
+    // The second iteration takes the offset from the complete part before the pulse.
     for _ in 0..2 {
         let offset = mean(&strain[..quiet]);
         let largest = strain.iter().fold(0.0_f64, |top, e| top.max((e - offset).abs()));
@@ -96,7 +97,7 @@ fn arrival(strain: &[f64]) -> Option<usize> {
     first
 }
 
-/// Refuses a transmitted pulse that passes its gauge before the incident one does.
+/// Refuses a transmitted pulse that passes its gauge before the incident pulse passes the incident gauge.
 fn in_order(records: &Records, incident: f64) -> Result<()> {
     let (time, strain) = &records.transmitted;
     let Some(row) = arrival(strain).filter(|_| is_clear(strain)) else { return Ok(()) };
@@ -112,7 +113,8 @@ fn in_order(records: &Records, incident: f64) -> Result<()> {
     Err(InputError::new(message).allowed("after it").help(help).into())
 }
 
-/// Whether a record holds more than noise: white noise of deviation s has differences between neighbours with a median of 0.954 s.
+/// Returns whether a record contains more than noise. White noise with standard deviation s has differences between neighbours with a median of 0.954
+/// s.
 fn is_clear(strain: &[f64]) -> bool {
     let mut steps: Vec<f64> = strain.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     steps.sort_by(f64::total_cmp);
@@ -121,7 +123,7 @@ fn is_clear(strain: &[f64]) -> bool {
     strain.iter().fold(0.0_f64, |top, e| top.max((e - start).abs())) > CLEAR * noise
 }
 
-/// The incident pulse, which must have ended when the reflected one arrives.
+/// Returns the incident pulse, which must have ended when the reflected pulse arrives.
 fn incident_pulse(setup: &Setup, records: [&Record; 2], first: usize) -> Result<Pulse> {
     let (time, strain) = records[0];
     let way = 2.0 * setup.incident.delay();
@@ -132,7 +134,7 @@ fn incident_pulse(setup: &Setup, records: [&Record; 2], first: usize) -> Result<
     let end = mean(&strain[until(ALONE - LAST).min(alone.end - 1)..alone.end]);
     if end.abs() > ENDS * signed.abs() && alone.end < time.len() {
         let level = end / signed;
-        // A pulse of the other sign is the reflected one.
+        // A pulse of the opposite sign is the reflected pulse.
         let pulse = Alone { rows: first.saturating_sub(1)..alone.end, sign: signed.signum() };
         let late = (level < 0.0).then(|| late(setup, records, &pulse)).flatten().filter(|&late| late < -MISSED * way);
         let error = late.map_or_else(|| overlap(setup.incident.distance, way, level), |late| early(setup, late));
@@ -142,8 +144,8 @@ fn incident_pulse(setup: &Setup, records: [&Record; 2], first: usize) -> Result<
     Ok(Pulse { sign: signed.signum(), arrival, lasts: time[last] - arrival })
 }
 
-/// Time before a row in which the front has come up from zero, by the line from there to where it exceeds `risen`: without it, the specimen
-/// was deformed at the start.
+/// Returns the time that the front took to rise from zero to row `first`, s, from the line through that row and the first row with a strain above
+/// `risen`. Without this correction, the specimen would be deformed at the start.
 fn foot((time, strain): (&[f64], &[f64]), first: usize, risen: f64) -> f64 {
     let Some(later) = strain[first..].iter().position(|e| e.abs() >= risen).filter(|rows| *rows > 0) else {
         return 0.0;
@@ -153,7 +155,7 @@ fn foot((time, strain): (&[f64], &[f64]), first: usize, risen: f64) -> f64 {
     (start.1 / slope).min(end.0 - start.0)
 }
 
-/// Time at which values first reach a level, straight between samples.
+/// Returns the time at which values first reach a level, interpolated linearly between samples.
 fn reaches(time: &[f64], values: impl Fn(usize) -> f64, level: f64) -> Option<f64> {
     let row = (0..time.len()).find(|&row| values(row) >= level)?;
     let Some(before) = row.checked_sub(1) else { return Some(time[row]) };
@@ -161,7 +163,7 @@ fn reaches(time: &[f64], values: impl Fn(usize) -> f64, level: f64) -> Option<f6
     Some(time[before] + part * (time[row] - time[before]))
 }
 
-/// What to do about a reflected pulse that arrives at another time than computed, with the distance that fits its arrival, m.
+/// Returns a help text for a reflected pulse whose arrival differs from the computed one. `distance` is the distance that fits its arrival, m.
 fn fitting(distance: f64) -> String {
     format!(
         "a distance of {distance:.4} m fits its arrival: check the distance of the gauge on the incident bar, and the modulus \
@@ -169,14 +171,15 @@ fn fitting(distance: f64) -> String {
     )
 }
 
-/// Rows of the incident gauge's record that hold the incident pulse, and its sign.
+/// Rows of the incident gauge's record that contain the incident pulse, and its sign.
 struct Alone {
     rows: Range<usize>,
     sign: f64,
 }
 
-/// How much later than computed the reflected pulse arrives, s, by the time at which it reaches a part of its height. Both faces carry about
-/// one force, so that the transmitted pulse tells the reflected one's shape: a stiff specimen reflects little before it yields.
+/// Returns the delay of the reflected pulse with respect to its computed arrival, s, determined from the time at which it reaches a fraction of its
+/// height. Both faces have approximately the same force, so the transmitted pulse determines the shape of the reflected one: a stiff specimen
+/// reflects little before it yields.
 fn late(setup: &Setup, [incident, transmitted]: [&Record; 2], pulse: &Alone) -> Option<f64> {
     let (one, two) = (&setup.incident, &setup.transmitted);
     let ratio = two.modulus * two.area / (one.modulus * one.area);
@@ -186,7 +189,8 @@ fn late(setup: &Setup, [incident, transmitted]: [&Record; 2], pulse: &Alone) -> 
     let largest = |of: &dyn Fn(usize) -> f64| (0..alone.len()).map(of).fold(0.0, f64::max);
     let least = ENDS * largest(&|row| pulse.sign * strain[row]);
     let way = 2.0 * one.delay();
-    // The transmitted pulse, too, is read at a distance that may be wrong. Read later it is larger, and the reflected one starts later.
+    // The time of the transmitted pulse depends on the same distance, which may be wrong. At a later time it is larger, and the reflected pulse
+    // starts later.
     let found = |late: f64| {
         let through = |row: usize| ratio * at(&transmitted.0, &transmitted.1, time[row] + passed + 0.5 * late);
         let reflected = |row: usize| pulse.sign * (strain[row] - through(row));
@@ -198,7 +202,8 @@ fn late(setup: &Setup, [incident, transmitted]: [&Record; 2], pulse: &Alone) -> 
     Some(bisect([-way, way], PRECISE * way, |late| found(late).is_some_and(|found| found > late)))
 }
 
-/// A warning where the reflected pulse misses its computed arrival within a window from the arrival of the incident one on.
+/// Returns a warning if the arrival of the reflected pulse differs from the computed one. `window` is the time from the arrival of the incident pulse
+/// on, s.
 pub(super) fn misplaced(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> Option<String> {
     let [incident, transmitted] = zeroed.each_ref().map(|zeroed| &zeroed.record);
     let row = |after: f64| incident.0.partition_point(|&t| t < pulse.arrival + after);
@@ -218,7 +223,7 @@ pub(super) fn misplaced(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, wind
     (late.abs() > MISSED * 2.0 * bar.delay()).then(message)
 }
 
-/// A reflected pulse that arrives before the incident one has been seen alone.
+/// Returns the error for a reflected pulse that arrives before the incident pulse could be evaluated alone.
 fn early(setup: &Setup, late: f64) -> InputError {
     let bar = &setup.incident;
     let message = format!(

@@ -20,26 +20,26 @@ use crate::units::Dimension;
 pub struct Test {
     /// Bars and specimen.
     pub setup: Setup,
-    /// The gauges.
+    /// Gauge records.
     pub records: Records,
     /// Name of the specimen's material.
     pub material: String,
-    /// kg/m^3.
+    /// Density of the specimen, kg/m^3.
     pub density: f64,
-    /// Pa.
+    /// Elastic modulus of the specimen, Pa.
     pub modulus: f64,
-    /// The specimen's curve in the simulation.
+    /// Curve of the specimen in the simulation.
     pub given: Option<Curve>,
-    /// Whether the run has a rate law: the curve is the static one then.
+    /// Whether the run has a rate law; `given` is then the quasi-static curve.
     pub rate: bool,
-    /// Until the transmitted pulse comes back from the far end to its gauge, after it passed there, s.
+    /// Time from the passage of the transmitted pulse at its gauge to its return from the far end, s.
     pub limit: f64,
 }
 
-/// Reads the columns `time`, incident and transmitted strain (second and third column).
+/// Reads the columns time, incident strain and transmitted strain, in this order.
 ///
 /// # Errors
-/// A wrong file, other than three columns, times that decrease or are not in seconds.
+/// An invalid file, a number of columns other than three, times that decrease or are not in seconds.
 pub fn records_from_csv(path: &Path) -> Result<Records> {
     let of = |column: usize, _: &str| if column == 0 { Dimension::Time } else { Dimension::None };
     let table = Table::read(path, of)?;
@@ -58,11 +58,11 @@ pub fn records_from_csv(path: &Path) -> Result<Records> {
     Ok(Records { incident: (time.clone(), incident.clone()), transmitted: (time.clone(), transmitted.clone()) })
 }
 
-/// The longest record whose times have no unit, s: in a longer one they are microseconds or milliseconds that are read as seconds. Waves run through
-/// 500 m of steel meanwhile.
+/// Longest record whose times have no unit, s. The times of a longer record are probably in microseconds or milliseconds: in this time, waves
+/// propagate through 500 m of steel.
 const LONGEST_WITHOUT_UNIT: f64 = 0.1;
 
-/// Refuses times without a unit that are not in seconds.
+/// Refuses times without a unit that are probably not in seconds.
 fn short(table: &Table, time: &[f64]) -> Result<()> {
     let lasts = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
     if lasts <= LONGEST_WITHOUT_UNIT || table.has_unit(0) {
@@ -77,10 +77,10 @@ fn short(table: &Table, time: &[f64]) -> Result<()> {
         .into())
 }
 
-/// The largest strain of an elastic bar: more is microstrain or percent that is read as a plain number.
+/// Largest strain of an elastic bar. Larger values are probably in microstrain or percent.
 const MOST_ELASTIC: f64 = 0.02;
 
-/// Refuses strains that no elastic bar has.
+/// Refuses strains that are too large for an elastic bar.
 fn elastic(table: &Table, column: usize, strain: &[f64]) -> Result<()> {
     let largest = (0..strain.len()).max_by(|&a, &b| strain[a].abs().total_cmp(&strain[b].abs()));
     let Some(row) = largest.filter(|&row| strain[row].abs() > MOST_ELASTIC) else { return Ok(()) };
@@ -94,7 +94,7 @@ fn elastic(table: &Table, column: usize, strain: &[f64]) -> Result<()> {
 }
 
 impl Records {
-    /// The records as a digitizer takes them, with noise whose standard deviation is this part of each record's largest strain.
+    /// Samples the records like a digitizer and adds noise, whose standard deviation is the fraction `part` of each record's largest strain.
     #[must_use]
     pub fn with_noise(mut self, part: f64, seed: u64) -> Self {
         let mut rng = XorShiftRng::seed_from_u64(seed);
@@ -106,11 +106,11 @@ impl Records {
 }
 
 impl Test {
-    /// From the result of a scene with striker, incident bar, specimen and transmission bar: the specimen is the shortest segment between
-    /// two bars with a gauge each. `gauges` names them where there are several.
+    /// Reads a test from the result of a scene with striker, incident bar, specimen and transmission bar. The specimen is the shortest inner segment;
+    /// the two adjacent bars must have a gauge each. `gauges` selects them by name if there are several.
     ///
     /// # Errors
-    /// Another arrangement, no sections, no gauges.
+    /// Another arrangement, missing areas of the sections, missing gauges.
     pub fn from_result(file: &ResultFile, gauges: &[String]) -> Result<Self> {
         let segments = setup::segments(file)?;
         let wrong = |message: String, help: &str| {

@@ -1,4 +1,4 @@
-//! The reduction: pulses, moments of the specimen, equilibrium, curve.
+//! Reduction of a test: pulses, history of the specimen, equilibrium and curve.
 
 use std::ops::Range;
 
@@ -14,16 +14,16 @@ use crate::study::invert::noise::at;
 use crate::study::invert::zero::Zeroed;
 use crate::units::Dimension;
 
-/// How to reduce.
+/// Settings of the reduction.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Length of the reduction from the arrival of the incident pulse on, s, > 0; the length of the pulse where it is not given.
+    /// Length of the reduction from the arrival of the incident pulse on, s, > 0; if `None`, the length of the pulse.
     pub window: Option<f64>,
-    /// Time after which a wave from the far end of the transmission bar is back at its gauge, s, where it is known.
+    /// Time from the passage of the transmitted pulse at its gauge to its return from the far end of the transmission bar, s, if known.
     pub limit: Option<f64>,
-    /// Largest difference of the two faces' forces over their mean that counts as equilibrium, > 0.
+    /// Largest difference of the forces on the two faces, relative to their mean, that counts as equilibrium, > 0.
     pub equilibrium: f64,
-    /// Poisson's ratio of the bars, 0 to 0.5, for the statement on dispersion.
+    /// Poisson's ratio of the bars, 0 to 0.5, for the estimate of the dispersion.
     pub poisson: f64,
 }
 
@@ -34,9 +34,9 @@ impl Default for Options {
 }
 
 impl Options {
-    /// By default, forces on the two faces that differ by no more than this part of their mean count as in equilibrium.
+    /// Default value of [`Options::equilibrium`].
     pub const EQUILIBRIUM: f64 = 0.1;
-    /// By default, Poisson's ratio of the bars: that of steel.
+    /// Default Poisson's ratio of the bars: that of steel.
     pub const POISSON: f64 = 0.29;
 
     fn check(&self) -> Checked {
@@ -47,28 +47,28 @@ impl Options {
     }
 }
 
-/// One moment of the specimen. Magnitudes.
+/// State of the specimen at one time; magnitudes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Moment {
-    /// Since the incident pulse reached the specimen, s.
+    /// Time since the incident pulse reached the specimen, s.
     pub time_s: f64,
-    /// Three waves: engineering strain.
+    /// Engineering strain by three-wave analysis.
     pub strain: f64,
-    /// Three waves, 1/s.
+    /// Strain rate by three-wave analysis, 1/s.
     #[serde(rename = "rate_1_s")]
     pub rate: f64,
-    /// Three waves: mean of the faces, engineering stress, Pa.
+    /// Engineering stress by three-wave analysis, the mean of both faces, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// One wave: engineering strain.
+    /// Engineering strain by one-wave analysis.
     pub strain_one_wave: f64,
-    /// One wave, 1/s.
+    /// Strain rate by one-wave analysis, 1/s.
     #[serde(rename = "rate_one_wave_1_s")]
     pub rate_one_wave: f64,
-    /// One wave: the face at the transmission bar, Pa.
+    /// Engineering stress by one-wave analysis, that at the face of the transmission bar, Pa.
     #[serde(rename = "stress_one_wave_Pa")]
     pub stress_one_wave: f64,
-    /// The face at the incident bar, Pa.
+    /// Engineering stress at the face of the incident bar, Pa.
     #[serde(rename = "stress_incident_face_Pa")]
     pub stress_incident_face: f64,
     /// Incident strain at the specimen.
@@ -79,7 +79,7 @@ pub struct Moment {
     pub transmitted: f64,
 }
 
-/// A knot of the specimen's curve: the mean of the moments in a range of strain.
+/// Knot of the specimen's curve: the mean of the history over a range of strain.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Knot {
     /// Engineering strain.
@@ -87,7 +87,8 @@ pub struct Knot {
     /// Engineering stress, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// 95 % interval of the stress, Pa: noise, errors of the zero offsets, and half the root mean square difference of the faces.
+    /// Half width of the 95 % interval of the stress, Pa, due to noise, errors of the zero offsets, half the root mean square difference of the
+    /// faces, and the bend of the curve within the range.
     #[serde(rename = "stress_half_width_Pa")]
     pub half_width: f64,
     /// Mean strain rate, 1/s.
@@ -95,81 +96,82 @@ pub struct Knot {
     pub rate: f64,
 }
 
-/// A reduced test.
+/// Result of the reduction of a test.
 #[derive(Debug, Clone, Serialize)]
 pub struct Reduced {
     /// Bars and specimen.
     pub setup: Setup,
     /// Sense of the loading.
     pub sense: Sense,
-    /// When the incident pulse reaches its gauge, s.
+    /// Time at which the incident pulse reaches its gauge, s.
     pub arrival_s: f64,
     /// Length of the reduction, s.
     pub window_s: f64,
-    /// Zero offsets of the gauges on the incident and on the transmission bar, which are removed: mean strain before the pulse.
+    /// Zero offsets of the gauges on the incident and on the transmission bar: mean strain before the pulse, which has been removed.
     pub zero_offsets: [f64; 2],
-    /// Noise of their records: standard deviation of the strain about it.
+    /// Noise of the two records: standard deviation of the strain about the zero offset.
     pub noise: [f64; 2],
-    /// End of the loading, s: afterwards the specimen unloads.
+    /// End of the loading, s; the specimen unloads afterwards.
     pub loading_until_s: f64,
-    /// Time from which the faces are in equilibrium, s; none where they never are.
+    /// Time from which the faces are in equilibrium, s; `None` if they never are.
     pub equilibrium_from_s: Option<f64>,
-    /// Time until which they are; none where that is the end of the loading.
+    /// Time until which the faces are in equilibrium, s; `None` if that is the end of the loading.
     pub equilibrium_until_s: Option<f64>,
-    /// Strain at that time.
+    /// Strain at the start of the equilibrium.
     pub equilibrium_from_strain: Option<f64>,
-    /// Largest difference of the faces over their mean from then on.
+    /// Largest difference of the faces during the equilibrium, relative to their mean.
     pub imbalance: Option<f64>,
-    /// Mean strain rate in equilibrium, over time, 1/s.
+    /// Mean strain rate over time during the equilibrium, 1/s.
     #[serde(rename = "mean_rate_1_s")]
     pub mean_rate: Option<f64>,
-    /// First and last moment of that mean, s: those of the curve.
+    /// First and last time of that mean and of the curve, s.
     pub mean_rate_between_s: Option<[f64; 2]>,
-    /// Time over which dispersion on the way between the gauges spreads a sharp front, s.
+    /// Time by which dispersion between the gauges spreads a sharp front, s.
     pub dispersion_s: f64,
-    /// The curve in equilibrium.
+    /// Curve during the equilibrium.
     pub curve: Vec<Knot>,
-    /// What limits the result.
+    /// Limitations of the result.
     pub warnings: Vec<String>,
-    /// Every moment.
+    /// History of the specimen.
     #[serde(skip)]
     pub moments: Vec<Moment>,
 }
 
-/// Moments of the reduction.
+/// Most and fewest steps of the history.
 const MOST_MOMENTS: usize = 4000;
 const FEWEST_MOMENTS: usize = 400;
 
-/// Ranges of strain in the curve.
+/// Number of ranges of strain in the curve.
 const KNOTS: usize = 40;
 
-/// A range is halved where the curve bends in it by more than this part of the largest stress, down to so many rows.
+/// A range is halved if the curve bends within it by more than `FINE` times the largest stress, but not below `FEWEST_ROWS` rows.
 const FINE: f64 = 1e-3;
 const FEWEST_ROWS: usize = 2;
 
-/// A bend, and a transmitted pulse, count if they exceed the standard error of the noise by this factor.
+/// Number of standard errors of the noise above which a bend, or a transmitted pulse, is significant.
 const BEYOND_NOISE: f64 = 3.0;
 
-/// Distance of the mean of a parabola from it at the middle, over that of its middle third from the line through the others.
+/// For a parabola: distance of its mean from its value in the middle, relative to the distance of the mean of its middle third from the line through
+/// the means of the outer thirds.
 const OF_A_PARABOLA: f64 = 0.75;
 
-/// Part of the largest rate below which the specimen counts as unloading.
+/// Fraction of the largest strain rate below which the specimen counts as unloading.
 const SLOW: f64 = 0.1;
 
-/// The forces of the faces are compared as means over this part of the window, so that noise counts less than waves.
+/// The forces of the faces are compared as moving averages over this fraction of the window, which suppresses noise more than waves.
 const SMOOTHED: f64 = 0.02;
 
-/// Shortest equilibrium that has a curve, as a part of the loading.
+/// Shortest equilibrium, relative to the loading, for which a curve is computed.
 const SHORTEST: f64 = 0.1;
 
-/// Part of the incident pulse by which another one may have the wrong sense: noise and drift of the gauges.
+/// Fraction of the incident pulse by which another pulse may have the wrong sign, due to noise and drift of the gauges.
 const WRONG_SENSE: f64 = 0.02;
 
 /// Reduces a test.
 ///
 /// # Errors
-/// Numbers out of range, columns of different lengths, rows that are not finite; records without a pulse, that start inside it or are shorter than the window; pulses that overlap, that come in the wrong order or
-/// have the wrong sense.
+/// Numbers out of range, columns of different lengths, rows that are not finite; records without a pulse, that start inside the pulse or are shorter
+/// than the window; pulses that overlap, are in the wrong order or have the wrong sign.
 pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Reduced> {
     setup.check()?;
     options.check()?;
@@ -202,13 +204,13 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
         warnings,
         moments,
     };
-    // The means at the edge of the window reach past the loading.
+    // The moving averages at the edge of the window extend beyond the loading.
     equilibrium(&mut reduced, options.equilibrium, half, loading.saturating_sub(half));
     add_offset_errors(&mut reduced, [zeroed[0].offset_error, zeroed[1].offset_error]);
     Ok(reduced)
 }
 
-/// What a specimen that stands over the bars' faces means.
+/// Returns a warning if the specimen is wider than the bars.
 fn wide(setup: &Setup) -> Vec<String> {
     let bar = setup.incident.area.min(setup.transmitted.area);
     let message = || {
@@ -221,7 +223,7 @@ fn wide(setup: &Setup) -> Vec<String> {
     (setup.area > bar * (1.0 + 1e-6)).then(message).into_iter().collect()
 }
 
-/// Refuses a gauge of the transmission bar whose mean strain while the pulse passes, from `start` on, is not beyond its noise.
+/// Refuses a gauge of the transmission bar whose mean strain during the passage of the pulse, from `start` on, does not exceed its noise.
 fn transmits(gauge: &Zeroed, moments: &[Moment], start: f64) -> Result<()> {
     let mean = moments.iter().map(|m| m.transmitted).sum::<f64>() / moments.len() as f64;
     let lasts = moments.last().map_or(0.0, |m| m.time_s);
@@ -236,8 +238,8 @@ fn transmits(gauge: &Zeroed, moments: &[Moment], start: f64) -> Result<()> {
     Err(InputError::new(message).help("check the gauge, and the order and the units of the columns").into())
 }
 
-/// Refuses pulses of a sense that no specimen between the bars gives: what passes it has the sense of the incident pulse, what it
-/// reflects the other one.
+/// Refuses pulses whose sign is impossible for a specimen between the bars: the transmitted pulse has the sign of the incident pulse, the reflected
+/// one the opposite sign.
 fn senses(moments: &[Moment]) -> Result<()> {
     let sum = |of: fn(&Moment) -> f64| moments.iter().map(of).sum::<f64>();
     let incident = sum(|m| m.incident);
@@ -257,7 +259,7 @@ fn senses(moments: &[Moment]) -> Result<()> {
     Ok(())
 }
 
-/// The time in which incident and reflected pulse are separate and no other wave has arrived.
+/// Returns the time during which the incident and the reflected pulse are separate and no other wave has arrived, s.
 fn window(
     setup: &Setup,
     records: &Records,
@@ -330,14 +332,14 @@ fn moments(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> V
     (0..=steps).map(moment).collect()
 }
 
-/// Velocity with which the faces approach per transmitted strain where they carry one force, m/s: by `F1 = F2` the incident strain is
-/// `i = t E2 A2/(E1 A1) - r`. Exactly 0 between equal bars.
+/// Returns the approach velocity of the faces per transmitted strain by one-wave analysis, m/s. From `F1 = F2`, the incident strain is
+/// `i = t E2 A2/(E1 A1) - r`. Exactly 0 for equal bars.
 fn transmitted_in_one_wave(one: &ElasticBar, two: &ElasticBar) -> f64 {
     one.c0() * (two.modulus * two.area / (one.modulus * one.area)) - two.c0()
 }
 
-/// Width of a sharp front after its way between the gauges, as time: lateral inertia (Love) spreads it over
-/// `(3 (nu r)^2 X/2)^(1/3)`, r the polar radius of gyration.
+/// Returns the rise time of an initially sharp front after propagation between the gauges, s. Lateral inertia (Love) spreads it over the length
+/// `(3 (nu r)^2 X/2)^(1/3)`, where r is the polar radius of gyration.
 fn dispersion(setup: &Setup, poisson: f64) -> f64 {
     let bar = &setup.incident;
     let gyration = bar.area / (2.0 * std::f64::consts::PI);
@@ -345,7 +347,7 @@ fn dispersion(setup: &Setup, poisson: f64) -> f64 {
     (1.5 * poisson * poisson * gyration * way).cbrt() / bar.c0()
 }
 
-/// Means over neighbours: up to `half` on each side.
+/// Returns moving averages over up to `half` neighbours on each side.
 fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
     let mut sums = vec![0.0];
     for value in values {
@@ -358,7 +360,8 @@ fn smoothed(values: &[f64], half: usize) -> Vec<f64> {
     (0..values.len()).map(mean).collect()
 }
 
-/// The longest range of values that do not exceed the tolerance. The edges of a pulse that spreads on its way are outside of it.
+/// Returns the longest range of values that do not exceed the tolerance. The edges of a pulse, which spreads during propagation, are outside this
+/// range.
 fn longest(imbalance: &[f64], tolerance: f64) -> Range<usize> {
     let (mut longest, mut start) = (0..0, 0);
     for (k, &value) in imbalance.iter().enumerate() {
@@ -371,14 +374,14 @@ fn longest(imbalance: &[f64], tolerance: f64) -> Range<usize> {
     longest
 }
 
-/// Moments until the specimen unloads.
+/// Returns the number of steps until the specimen unloads.
 fn loading(moments: &[Moment], half: usize) -> usize {
     let rate = smoothed(&moments.iter().map(|m| m.rate).collect::<Vec<_>>(), half);
     let fastest = rate.iter().fold(0.0_f64, |top, r| top.max(*r));
     rate.iter().rposition(|&r| r > SLOW * fastest).map_or(0, |last| last + 1)
 }
 
-/// Finds the time of equilibrium and the curve in it, in moments up to the end of the loading.
+/// Determines the time of equilibrium and the curve in it, from the first `end` steps, up to the end of the loading.
 fn equilibrium(reduced: &mut Reduced, tolerance: f64, half: usize, end: usize) {
     let moments = &reduced.moments;
     let smooth = |of: fn(&Moment) -> f64| smoothed(&moments.iter().map(of).collect::<Vec<_>>(), half);
@@ -405,13 +408,13 @@ fn equilibrium(reduced: &mut Reduced, tolerance: f64, half: usize, end: usize) {
     reduced.curve = knots(settled, &front[from..end], &back[from..end], stress_noise(&reduced.setup, reduced.noise));
 }
 
-/// Standard deviation of the mean stress of the faces, Pa, by the noise of the gauges' strains: the incident one records two pulses.
+/// Returns the standard deviation of the mean stress of the faces, Pa, due to the noise of the gauges. The incident gauge records two pulses.
 fn stress_noise(setup: &Setup, [incident, transmitted]: [f64; 2]) -> f64 {
     let force = |bar: &ElasticBar| bar.modulus * bar.area / setup.area;
     0.5 * (std::f64::consts::SQRT_2 * force(&setup.incident) * incident).hypot(force(&setup.transmitted) * transmitted)
 }
 
-/// Means over equal ranges of strain, and over parts of them where the curve bends.
+/// Returns the knots: means over equal ranges of strain, and over parts of them if the curve bends.
 fn knots(settled: &[Moment], front: &[f64], back: &[f64], noise: f64) -> Vec<Knot> {
     let (first, last) = settled.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), m| (a.min(m.strain), b.max(m.strain)));
     let rows = Rows { settled, faces: front.iter().zip(back).map(|(f, b)| 0.5 * (f - b)).collect(), noise };
@@ -425,27 +428,28 @@ fn knots(settled: &[Moment], front: &[f64], back: &[f64], noise: f64) -> Vec<Kno
     members.iter().flat_map(|members| rows.knots(members, faces, FINE * largest)).collect()
 }
 
-/// Moments of the curve.
+/// Rows of the history from which the curve is computed.
 struct Rows<'a> {
     settled: &'a [Moment],
-    /// Half the difference of the faces, Pa.
+    /// Half the difference of the stresses at the faces, Pa.
     faces: Vec<f64>,
-    /// Standard deviation of a stress by the noise of the gauges, Pa.
+    /// Standard deviation of a stress due to the noise of the gauges, Pa.
     noise: f64,
 }
 
 impl Rows<'_> {
-    /// The knot of some rows, or those of their halves as long as the rows show that the curve bends in between by more than `limit` (Pa).
+    /// Returns the knot of a range of rows, or those of its halves if the curve bends in it by more than `limit` (Pa).
     fn knots(&self, members: &[usize], faces: f64, limit: f64) -> Vec<Knot> {
         let bend = self.bend(members).unwrap_or(0.0);
-        // The faces cross again and again while waves run through the specimen: a bend as small as their difference may be such a wave.
+        // The stresses of the faces cross repeatedly while waves propagate through the specimen. A bend as small as their difference may be such a
+        // wave.
         if bend > limit.max(faces).max(self.faces_of(members.iter().copied())) && members.len() >= 2 * FEWEST_ROWS {
             let (before, after) = members.split_at(members.len() / 2);
             return [before, after].into_iter().flat_map(|half| self.knots(half, faces, limit)).collect();
         }
         let count = members.len() as f64;
         let stress = self.mean(members, |m| m.stress);
-        // The scatter within a range holds the slope of the curve too, which makes the interval a little wider.
+        // The scatter within a range includes the slope of the curve, which makes the interval slightly wider.
         let scatter = self.mean(members, |m| (m.stress - stress).powi(2)).sqrt().max(self.noise) / count.sqrt();
         let knot = Knot {
             strain: self.mean(members, |m| m.strain),
@@ -456,8 +460,8 @@ impl Rows<'_> {
         (members.len() > 1).then_some(knot).into_iter().collect()
     }
 
-    /// By how much the mean of the stresses lies beside the curve, since that bends, Pa: from the mean of the middle third of the rows and
-    /// the line through those of the others. None where they are too few, or within noise.
+    /// Returns the distance of the mean stress from the curve due to its bend, Pa, from the mean of the middle third of the rows and the line through
+    /// the means of the outer thirds. `None` if there are too few rows, or if the bend is within the noise.
     fn bend(&self, members: &[usize]) -> Option<f64> {
         let third = members.len() / 3;
         if third == 0 {
@@ -472,7 +476,7 @@ impl Rows<'_> {
             .then(|| OF_A_PARABOLA * (b.1 - line).abs())
     }
 
-    /// Root mean square of half the difference of the faces, Pa.
+    /// Returns half the root mean square difference of the faces, Pa.
     fn faces_of(&self, members: impl ExactSizeIterator<Item = usize>) -> f64 {
         let count = members.len() as f64;
         (members.map(|i| self.faces[i].powi(2)).sum::<f64>() / count).sqrt()
@@ -483,8 +487,9 @@ impl Rows<'_> {
     }
 }
 
-/// Adds the standard errors of the zero offsets, incident and transmitted, to the intervals of the curve: that of the incident gauge
-/// moves the force of its face twice and leaves the strain, that of the other moves its force and, in time, the strain.
+/// Adds the standard errors of the zero offsets (incident, transmitted) to the intervals of the curve. An error of the incident gauge changes the
+/// force on its face twice and does not change the strain. An error of the transmission gauge changes the force on its face and, increasing with
+/// time, the strain.
 fn add_offset_errors(reduced: &mut Reduced, errors: [f64; 2]) {
     let (one, two) = (&reduced.setup.incident, &reduced.setup.transmitted);
     let force = [one, two].map(|bar| bar.modulus * bar.area / reduced.setup.area);

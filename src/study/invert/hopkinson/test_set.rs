@@ -6,35 +6,35 @@ use crate::input::{Allowed, Checked, member, positive};
 use crate::study::invert::given::check_record;
 use crate::units::Dimension::{Area, Density, Length, Stress};
 
-/// An elastic bar and the gauge on it.
+/// An elastic bar and its gauge.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct ElasticBar {
-    /// Pa.
+    /// Elastic modulus, Pa.
     #[serde(rename = "modulus_Pa")]
     pub modulus: f64,
-    /// kg/m^3.
+    /// Density, kg/m^3.
     #[serde(rename = "density_kg_m3")]
     pub density: f64,
-    /// m^2.
+    /// Area of the section, m^2.
     #[serde(rename = "area_m2")]
     pub area: f64,
-    /// From the gauge to the specimen, m.
+    /// Distance from the gauge to the specimen, m.
     #[serde(rename = "gauge_to_specimen_m")]
     pub distance: f64,
 }
 
 impl ElasticBar {
-    /// m/s.
+    /// Returns the elastic wave speed, m/s.
     pub fn c0(&self) -> f64 {
         (self.modulus / self.density).sqrt()
     }
 
-    /// Time of the elastic wave between gauge and specimen, s.
+    /// Returns the travel time of the elastic wave between gauge and specimen, s.
     pub(super) fn delay(&self) -> f64 {
         self.distance / self.c0()
     }
 
-    /// Of this name.
+    /// Checks the values of the bar; `name` is used in error keys.
     fn check(&self, name: &str) -> Checked {
         let [modulus, density, area] = ["modulus", "density", "area"].map(|member| format!("{name}.{member}"));
         positive([(&modulus, self.modulus, Stress), (&density, self.density, Density), (&area, self.area, Area)])?;
@@ -65,10 +65,10 @@ pub struct Setup {
     pub incident: ElasticBar,
     /// Transmission bar.
     pub transmitted: ElasticBar,
-    /// m.
+    /// Length of the specimen, m.
     #[serde(rename = "specimen_length_m")]
     pub length: f64,
-    /// m^2.
+    /// Area of the specimen's section, m^2.
     #[serde(rename = "specimen_area_m2")]
     pub area: f64,
 }
@@ -76,11 +76,11 @@ pub struct Setup {
 /// Times (s, not decreasing) and strains of a gauge.
 pub type Record = (Vec<f64>, Vec<f64>);
 
-/// The records of both gauges.
+/// Records of both gauges.
 #[derive(Debug, Clone, Default)]
 pub struct Records {
-    /// Of the gauge on the incident bar.
+    /// Record of the gauge on the incident bar.
     pub incident: Record,
-    /// The same of the transmission bar's.
+    /// Record of the gauge on the transmission bar.
     pub transmitted: Record,
 }

@@ -300,7 +300,7 @@ pub enum Method {
     },
     /// Method of characteristics without a grid: fronts are tracked individually.
     FrontTracking {
-        /// Smallest stress jump that is tracked as a separate front, relative to the largest stress possible in the scene; 0 <= front_tolerance < 1.
+        /// Smallest stress jump that is tracked as a separate front, relative to the largest stress possible in the scene; 0 <= `front_tolerance` < 1.
         /// 0 tracks all jumps.
         front_tolerance: f64,
         /// Largest number of events of the run, >= 1.

@@ -1,5 +1,5 @@
-//! Notes the commit that the program is built from, for the provenance in result files. Without git, or outside its
-//! own repository (a source archive), nothing is noted and the build goes on.
+//! Records the commit from which the program is built, for the provenance in result files. Without git, or outside the repository of barwave
+//! (such as in a source archive), nothing is recorded and the build continues.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,7 +8,7 @@ fn main() {
     for path in ["build.rs", "src", "Cargo.toml"] {
         println!("cargo::rerun-if-changed={path}");
     }
-    // An archive unpacked inside somebody else's repository must not take that repository's commit for its own.
+    // An archive unpacked inside another repository must not record the commit of that repository.
     if git(&["rev-parse", "--show-prefix"]).is_none_or(|prefix| !prefix.is_empty()) {
         return;
     }
@@ -22,7 +22,7 @@ fn main() {
     }
 }
 
-/// What git prints, without its line end; none where there is no git or no repository.
+/// Returns the output of git without its line end, or `None` without git or outside a repository.
 fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;

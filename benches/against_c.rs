@@ -1,13 +1,13 @@
-//! barwave's leapfrog beside a plain one in C (`benches/leapfrog.c`, compiled with `cc -O3 -march=native`): stepping
-//! time and error, run in turn so that both meet the same machine. Nothing is asserted: times depend on the machine.
+//! Compares barwave's leapfrog scheme with a plain one in C (`benches/leapfrog.c`, compiled with `cc -O3 -march=native`): stepping time and error.
+//! The programs run alternately, so that both see the same machine load. Nothing is asserted: times depend on the machine.
 //!
-//! First the three problems as scenes, in which most of the bar is at rest most of the time. Then long bars that move as sine
-//! waves, in which every cell is at work: with 8 waves none of 10^6 cells yields in so few steps, with waves of 125 cells
-//! all but those at their nodes do.
+//! First, the three benchmark problems are run as scenes, in which most of the bar is at rest most of the time. Then, long bars with sinusoidal
+//! initial velocity are run, in which every cell is active: with 8 waves, none of the 10^6 cells yields in so few steps; with waves of 125 cells,
+//! all cells yield except those at the nodes of the waves.
 //!
-//! `cargo bench` runs it. Environment: `CC` names the compiler, `ROUNDS` the number of runs of each (7), `PROBLEM` the one
-//! to run (P1, P2 or P3), `C_PROGRAM` a program to compare with that is compiled already and takes CELLS PROBLEM, or CELLS PROBLEM 1
-//! STEPS for the 8 waves, and prints steps, seconds, anything, error.
+//! `cargo bench` runs it. Environment: `CC` is the compiler, `ROUNDS` the number of runs of each program (default 7), `PROBLEM` the only problem to
+//! run (P1, P2 or P3). `C_PROGRAM` is a compiled program to compare with; it is called with the arguments CELLS PROBLEM, or CELLS PROBLEM 1 STEPS
+//! for the 8 waves, and prints the number of steps, the time in seconds, any other numbers, and the error.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -25,7 +25,7 @@ const EXPONENT: f64 = 0.2;
 const TABLE_END: f64 = 0.05;
 const TABLE_ROWS: usize = 60;
 
-/// One problem, for both programs. The bar is 1 m long and runs to 0.8 of the elastic wave's way through it.
+/// Benchmark problem, for both programs. The bar is 1 m long; the end time is 0.8 of the elastic wave's transit time.
 #[derive(Clone, Copy)]
 enum Problem {
     Elastic = 1,
@@ -61,7 +61,7 @@ impl Problem {
     }
 
     fn scene(self, cells: usize) -> Scene {
-        // No [effects] in the elastic problem: it has no yield stress in C either.
+        // The elastic problem has no [effects], as it has no yield stress in C.
         let effects = if matches!(self, Self::Elastic) { "" } else { "[effects]\nhardening = \"isotropic\"" };
         let text = format!(
             "title = \"{}\"\n[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = {DENSITY}\n\
@@ -76,7 +76,7 @@ impl Problem {
         Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Exact stress at x/t = `speed` in a long bar, compression positive, as in C.
+    /// Returns the exact stress at x/t = `speed` in a long bar, compression positive, as in C.
     fn exact(self, speed: f64) -> f64 {
         let (c0, c1) = (elastic_speed(), (TANGENT / DENSITY).sqrt());
         let yield_velocity = YIELD / (DENSITY * c0);
@@ -104,7 +104,7 @@ fn end_time() -> f64 {
     0.8 / elastic_speed()
 }
 
-/// What one run showed.
+/// Measurements of one run.
 struct Outcome {
     steps: usize,
     seconds: f64,
@@ -129,13 +129,13 @@ fn run_here(problem: Problem, cells: usize) -> Outcome {
     Outcome { steps, seconds, error: difference / sum }
 }
 
-/// Steps of a long bar.
+/// Number of steps of a long bar.
 const LONG_STEPS: usize = 200;
 
-/// Cells of a long bar.
+/// Number of cells of a long bar.
 const LONG_CELLS: usize = 1_000_000;
 
-/// A bar of [`LONG_CELLS`] with free ends, all of which moves; on so many threads.
+/// Runs a bar of [`LONG_CELLS`] cells with free ends, all of which move, on `threads` threads.
 fn run_long(problem: Problem, waves: usize, threads: usize) -> Outcome {
     let free = problem.scene(LONG_CELLS).with(&["left={ kind = \"free\" }", "right={ kind = \"free\" }"]);
     let scene = free.unwrap_or_else(|e| panic!("{e}"));
@@ -151,16 +151,16 @@ fn run_long(problem: Problem, waves: usize, threads: usize) -> Outcome {
     })
 }
 
-/// The program to compare with.
+/// Program to compare with.
 enum Peer {
-    /// benches/leapfrog.c.
+    /// Program compiled from benches/leapfrog.c.
     Own(PathBuf),
-    /// `C_PROGRAM`.
+    /// Program named by `C_PROGRAM`.
     Other(PathBuf),
 }
 
 impl Peer {
-    /// None without a C compiler.
+    /// Returns the program to compare with, or `None` without a C compiler.
     fn new() -> Option<Self> {
         match std::env::var_os("C_PROGRAM") {
             Some(program) => Some(Self::Other(program.into())),
@@ -168,7 +168,7 @@ impl Peer {
         }
     }
 
-    /// Runs a problem; with `waves` a long bar, if the program can.
+    /// Runs a problem, or with `waves` a long bar. Returns `None` if the program cannot run it.
     fn run(&self, problem: Problem, cells: usize, waves: Option<usize>) -> Option<Outcome> {
         let number = (problem as u8).to_string();
         let mut arguments = vec![cells.to_string(), number];
@@ -193,7 +193,7 @@ impl Peer {
     }
 }
 
-/// Compiles benches/leapfrog.c; none without a C compiler.
+/// Compiles benches/leapfrog.c; returns `None` without a C compiler.
 fn compile() -> Option<PathBuf> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/leapfrog.c");
     let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("leapfrog_c");
@@ -220,7 +220,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 fn main() {
-    // `cargo test --benches` only wants to know that this starts.
+    // `cargo test --benches` only checks that this program starts.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }

@@ -1,4 +1,4 @@
-//! What effects cost a grid: nanoseconds of stepping for a cell and a step, off and on. Nothing is asserted: times depend on
+//! Cost of effects on a grid: stepping time in nanoseconds per cell and step, without and with each effect. Nothing is asserted: times depend on
 //! the machine. `cargo bench --bench effects` runs it.
 
 mod common;
@@ -12,7 +12,7 @@ use common::{CELLS, scene, shortest};
 
 const RUNS: usize = 3;
 
-/// Effects by name, as lines under `[effects]`; the first is none.
+/// Effects with their lines under `[effects]`; the first entry has none.
 const EFFECTS: &[(&str, &str)] = &[
     ("off", ""),
     ("lateral inertia", "lateral-inertia = true"),
@@ -35,7 +35,7 @@ const EFFECTS: &[(&str, &str)] = &[
     ),
 ];
 
-/// One area, and a table of them.
+/// A constant area, and a table of areas.
 const UNIFORM: &str = "1e-4";
 const TAPERED: &str = "[[0, 1e-4], [1, 1.2e-4]]";
 
@@ -48,7 +48,7 @@ fn of_steel(area: &str, velocity: f64, effects: &str) -> f64 {
     shortest(&scene(velocity, &format!("area = {area}"), POISSON_AND_HEAT, &effects), RUNS)
 }
 
-/// Time of all looks of the audit at a bar of which all has yielded that will, over the time of stepping it.
+/// Returns the time of all evaluations of the audit relative to the stepping time.
 fn share_of_audit(cells: usize, rates: &str) -> f64 {
     let scene = scene(-20.0, "", &format!("beyond = \"extend\"\n{rates}"), "");
     let scene = scene.with(&["solve.until=3e-4"]).unwrap_or_else(|e| panic!("{e}"));
@@ -74,7 +74,7 @@ fn share_of_audit(cells: usize, rates: &str) -> f64 {
 }
 
 fn main() {
-    // `cargo test --benches` only wants to know that this starts.
+    // `cargo test --benches` only checks that this program starts.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }

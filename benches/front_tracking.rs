@@ -1,4 +1,4 @@
-//! Front tracking: time of stepping, for a run and for an event. Nothing is asserted: times depend on the machine.
+//! Front tracking: computing time per run and per event. Nothing is asserted: times depend on the machine.
 //! `cargo bench --bench front_tracking` runs it.
 
 use std::ops::ControlFlow;
@@ -12,14 +12,14 @@ use barwave::solver::moc::{FrontTracking, Settings};
 
 const RUNS: usize = 7;
 
-/// A steel bar of 1 m whose left end is pulled, with a power law of so many knots above yield.
+/// Returns a steel bar of 1 m whose left end moves, with `knots` knots of a power law above yield.
 fn steel(knots: usize, velocity: f64, release: &str, until: f64) -> Scene {
     let knot = |k: usize| {
         let ratio = 50.0_f64.powf(k as f64 / (knots - 1) as f64);
         [0.001 * ratio, 200e6 * ratio.powf(0.2)]
     };
     let table: Vec<[f64; 2]> = (0..knots).map(knot).collect();
-    // The bilinear benchmark has its own second line.
+    // With two knots, the table is that of the bilinear benchmark.
     let table = if knots == 2 { vec![[0.001, 200e6], [0.05, 1180e6]] } else { table };
     let text = format!(
         "[bar]\nlength = 1\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\nbeyond = \"extend\"\n\
@@ -29,7 +29,7 @@ fn steel(knots: usize, velocity: f64, release: &str, until: f64) -> Scene {
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Shortest time of some runs, s, and the bar of the last.
+/// Returns the shortest time of [`RUNS`] runs, s, and the bar of that run.
 fn shortest(scene: &Scene, settings: Settings) -> (f64, FrontTracking) {
     let run = || {
         let start = Instant::now();
@@ -50,7 +50,7 @@ fn line(name: &str, scene: &Scene, front_tolerance: f64, front_segments: bool) -
 }
 
 fn main() {
-    // `cargo test --benches` only wants to know that this starts.
+    // `cargo test --benches` only checks that this program starts.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
@@ -58,7 +58,7 @@ fn main() {
     println!("{:<46}{:>10}{:>10}{:>14}{:>12}", "bar", "tolerance", "events", "us", "ns an event");
     line("P2, bilinear, to 0.8 L/c0", &steel(2, 20.0, "", 1.58e-4), 0.0, false);
     line("P3, 60 knots, to 0.8 L/c0", &steel(60, 20.0, "", 1.58e-4), 0.0, false);
-    // Ten transits of 197 us; released after one.
+    // Ten transits of 197 us each; released after one.
     let let_go = steel(10, -30.0, "release = 2e-4", 1.97e-3);
     for tolerance in [1e-2, 3e-3, 1e-3] {
         line("10 knots, pulled and released, ten transits", &let_go, tolerance, false);

@@ -1,6 +1,5 @@
-//! The conservative scheme beside leapfrog: nanoseconds of stepping for a cell and a step, and the error against the
-//! self-similar solution, on the benchmark problems at 0.8 L/c0. Nothing is asserted: times depend on the machine.
-//! `cargo bench --bench muscl` runs it.
+//! Compares the conservative scheme (muscl) with leapfrog: stepping time in nanoseconds per cell and step, and error against the self-similar
+//! solution, for the benchmark problems at 0.8 L/c0. Nothing is asserted: times depend on the machine. `cargo bench --bench muscl` runs it.
 
 use std::path::Path;
 use std::time::Instant;
@@ -21,7 +20,7 @@ fn scene(velocity: f64, table: &[[f64; 2]], hardening: &str, cells: usize) -> Sc
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Shortest of some runs, ns for a cell and a step, and the error.
+/// Returns the shortest stepping time of several runs, ns per cell and step, and the error.
 fn measure<S: Stepped>(scene: &Scene, build: impl Fn() -> S) -> (f64, f64) {
     let mut shortest = f64::INFINITY;
     let mut error = f64::NAN;
@@ -39,7 +38,7 @@ fn measure<S: Stepped>(scene: &Scene, build: impl Fn() -> S) -> (f64, f64) {
 }
 
 fn main() {
-    // `cargo test --benches` only wants to know that this starts.
+    // `cargo test --benches` only checks that this program starts.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }

@@ -1,5 +1,5 @@
-//! Rate-dependent bars on the grid and on the characteristic net beside leapfrog without a rate: nanoseconds of stepping for a cell and a step. Nothing is asserted: times
-//! depend on the machine. `cargo bench --bench net` runs it.
+//! Compares rate-dependent bars on the grid and on the characteristic net with leapfrog without rate dependence: stepping time in nanoseconds
+//! per cell and step. Nothing is asserted: times depend on the machine. `cargo bench --bench net` runs it.
 
 use std::path::Path;
 use std::time::Instant;
@@ -24,7 +24,7 @@ fn scene(velocity: f64, knots: usize, rate: &str, cells: usize) -> Scene {
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Shortest of some runs over 0.8 of the elastic wave's way through the bar, ns.
+/// Returns the shortest stepping time of several runs over 0.8 of the elastic wave's transit time, ns per cell and step.
 fn shortest(cells: usize, mut run: impl FnMut() -> f64) -> f64 {
     let steps = 0.8 * cells as f64;
     (0..RUNS).map(|_| run() * 1e9 / (cells as f64 * steps)).fold(f64::INFINITY, f64::min)
@@ -37,7 +37,7 @@ fn seconds(mut bar: impl Stepped, steps: usize) -> f64 {
 }
 
 fn main() {
-    // `cargo test --benches` only wants to know that this starts.
+    // `cargo test --benches` only checks that this program starts.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }

@@ -1,5 +1,5 @@
-//! What the effect `rupture` costs a grid: nanoseconds of stepping for a cell and a step, off and on with a threshold that
-//! is never reached. Nothing is asserted: times depend on the machine. `cargo bench --bench rupture` runs it.
+//! Cost of the effect `rupture` on a grid: stepping time in nanoseconds per cell and step, without it, and with a threshold that is never reached.
+//! Nothing is asserted: times depend on the machine. `cargo bench --bench rupture` runs it.
 
 mod common;
 
@@ -8,7 +8,7 @@ use common::{CELLS, scene, shortest};
 const RUNS: usize = 7;
 
 fn main() {
-    // `cargo test --benches` only wants to know that this starts.
+    // `cargo test --benches` only checks that this program starts.
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }

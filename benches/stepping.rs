@@ -1,7 +1,7 @@
-//! The three benchmark problems by every method, measured by Criterion: medians with their confidence, and the change since the
-//! last time. Beside C: `against_c`.
+//! Stepping times of the three benchmark problems with every method, measured by Criterion: medians with their confidence intervals, and the change
+//! since the previous measurement. `against_c` compares them with a program in C.
 //!
-//! `cargo bench --bench stepping`; elements are cells times steps, of front tracking events.
+//! `cargo bench --bench stepping` runs it. Elements are cells times steps; for front tracking, events.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ fn scene(name: &str) -> Scene {
     Scene::read(&path, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Whole runs of a grid, without recording.
+/// Measures whole runs on a grid, without recording.
 fn grid<S: Stepped>(bencher: &mut Bencher<'_>, steps: usize, build: impl Fn() -> S) {
     let run = |mut bar: S| {
         bar.advance_by(steps);

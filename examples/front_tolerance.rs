@@ -1,9 +1,9 @@
-//! What the front tolerance costs and what it changes: ten long runs, each with a row of tolerances.
+//! Cost and effect of the front tolerance: ten long runs, each with several tolerances.
 //!
-//! `cargo run --release --example front_tolerance [SECONDS] > docs/front-tolerance.csv` prints events, fronts under way at
-//! the end, time, relative L1 error of the end (of stress or plastic strain, the larger) against a run with a hundredth of
-//! the tolerance, the estimate that `barwave run` states of it, and the relative energy dissipated. The error is left empty
-//! where the finer run takes more than 3e7 events, or where SECONDS (240 where not given) are over.
+//! `cargo run --release --example front_tolerance [SECONDS] > docs/front-tolerance.csv` prints the number of events, the number of active fronts at
+//! the end, the computing time, the relative L1 error at the end time (of stress or plastic strain, whichever is larger) against a run with a
+//! hundredth of the tolerance, the error estimate of `barwave run`, and the relative energy dissipated. The error is empty if the finer run takes
+//! more than 3e7 events, or if SECONDS (default 240) have passed.
 
 #[path = "../tests/common/long_bars.rs"]
 mod long_bars;
@@ -16,12 +16,12 @@ use rayon::prelude::*;
 
 const TOLERANCES: [f64; 3] = [1e-1, 3e-2, 1e-2];
 const MOST_EVENTS: u64 = 30_000_000;
-/// Events between two looks at the clock.
+/// Number of events between two checks of the time limit.
 const BURST: u64 = 500_000;
-/// The shortest of so many runs is the time.
+/// Number of timed runs, of which the shortest counts.
 const REPEATS: usize = 3;
 
-/// A run up to its end; none where it takes too many events or too long.
+/// Returns a finished run, or `None` if it needs too many events or too much time.
 fn finer(case: &Case, tolerance: f64, deadline: Instant) -> Option<FrontTracking> {
     let mut run = case.start(Settings { front_tolerance: tolerance, event_budget: MOST_EVENTS, ..Settings::default() });
     while !run.advance_for(case.until(), BURST).ok()? {
@@ -32,7 +32,7 @@ fn finer(case: &Case, tolerance: f64, deadline: Instant) -> Option<FrontTracking
     Some(run)
 }
 
-/// A run and how long it took, s.
+/// Returns a run and its computing time, s, or `None` if it needs too many events.
 fn timed(case: &Case, tolerance: f64) -> Option<(FrontTracking, f64)> {
     let mut shortest = f64::INFINITY;
     let mut last = None;
@@ -46,9 +46,9 @@ fn timed(case: &Case, tolerance: f64) -> Option<(FrontTracking, f64)> {
     last.map(|run| (run, shortest))
 }
 
-/// The lines of one bar: time and events first, then the true errors.
+/// Returns the lines of one bar. The runs are complete; the true errors are computed here.
 fn lines(case: &Case, runs: &[(f64, FrontTracking, f64)], deadline: Instant) -> Vec<String> {
-    // Where one finer run does not get there, the next one would not either.
+    // If one finer run cannot be completed, the next one, with a smaller tolerance, cannot be either.
     let mut reached = true;
     let mut line = |(tolerance, run, seconds): &(f64, FrontTracking, f64)| {
         let truth = if reached { finer(case, 0.01 * tolerance, deadline) } else { None };
@@ -70,7 +70,7 @@ fn main() {
     let deadline = Instant::now() + Duration::from_secs(seconds);
     println!("case,front tolerance,events,fronts at end,time (s),error,estimate,energy dissipated");
     let run = |case: &Case, tolerance| timed(case, tolerance).map(|(run, seconds)| (tolerance, run, seconds));
-    // Timed one after the other; only the finer runs go side by side.
+    // The timed runs are sequential; only the finer runs are parallel.
     let all: Vec<_> = cases()
         .into_iter()
         .map(|case| {

@@ -1,10 +1,10 @@
-//! Time of a step and memory of a cell from 10^2 to 10^7 cells, by leapfrog on one and on two threads, beside the memory bandwidth
-//! of the machine.
+//! Time per cell and step, and memory per cell, from 10^2 to 10^7 cells with leapfrog on one and on two threads, with the memory bandwidth of the
+//! machine for comparison.
 //!
-//! `cargo run --release --example growth > docs/growth.csv`; `python3 docs/growth.py` draws it. Free bars move as sine waves of 125 cells, so
-//! that every cell is at work: an elastic one, and a bilinear one with isotropic hardening in which all but the nodes of the waves flow. Times
-//! are medians, bytes a cell the growth of the process's memory (Linux; none below 10^5 cells, where it is not measurable), bandwidth that of
-//! a triad `a = b + s c` on arrays of 160 MB, three numbers counted.
+//! `cargo run --release --example growth > docs/growth.csv`; `python3 docs/growth.py` draws it. Free bars start with sinusoidal velocities of 125
+//! cells per wave, so that every cell is active: an elastic bar, and a bilinear one with isotropic hardening in which all cells yield except those at
+//! the nodes of the waves. Times are medians. Bytes per cell are the growth of the process's memory (Linux only; none below 10^5 cells, where it
+//! is not measurable). The bandwidth is that of a triad `a = b + s c` on arrays of 160 MB, counting three numbers per element.
 
 use std::path::Path;
 use std::time::Instant;
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 const SIZES: [usize; 11] = [100, 316, 1000, 3162, 10_000, 31_623, 100_000, 316_228, 1_000_000, 3_162_278, 10_000_000];
 const THREADS: [usize; 2] = [1, 2];
-/// Cell-steps of one measurement, and its least steps: as many as a long bar takes in one pass through the cache.
+/// Number of cell-steps of one measurement, and its smallest number of steps: as many as a long bar advances in one pass through the cache.
 const WORK: usize = 30_000_000;
 const LEAST_STEPS: usize = 32;
 const ROUNDS: usize = 9;
@@ -33,7 +33,7 @@ fn scene(curve: &str, cells: usize) -> Scene {
     Scene::parse("growth", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Memory of the process, bytes; none elsewhere than on Linux.
+/// Returns the memory of the process, bytes; `None` except on Linux.
 fn memory() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/statm").ok()?;
     let pages: f64 = text.split_whitespace().nth(1)?.parse().ok()?;
@@ -45,7 +45,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Time of a step of a cell, ns, and bytes of a cell.
+/// Returns the time per cell and step, ns, and the memory per cell, bytes.
 fn cell_step(curve: &str, cells: usize, threads: usize) -> (f64, Option<f64>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     let scene = scene(curve, cells);
@@ -69,7 +69,7 @@ fn cell_step(curve: &str, cells: usize, threads: usize) -> (f64, Option<f64>) {
     })
 }
 
-/// Bytes per second.
+/// Returns the memory bandwidth, bytes per second.
 fn bandwidth(threads: usize) -> f64 {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     pool.install(|| {

@@ -1,4 +1,4 @@
-//! Figures 9.3 and 9.4 of the handbook: Hoppmann's functions Phi and Psi over Q for several values of damping, in closed form.
+//! Draws Figures 9.3 and 9.4 of the handbook: Hoppmann's functions Phi and Psi of Q for several values of damping, in closed form.
 //!
 //! `cargo run --release --example hoppmann_figures -- docs/hoppmann.svg`
 

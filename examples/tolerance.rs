@@ -1,10 +1,9 @@
-//! Scenes with known answers, those on which the estimates were settled and those held out, four tolerances each: what is
-//! chosen, what it says its error is, what it is, and how its time compares with the cheapest way that `barwave cost` finds. Then
-//! the same by leapfrog and by muscl alone.
+//! Runs scenes with known solutions to several tolerances, both those used to determine the factors of the error estimates and those held out:
+//! the chosen method, its estimated error, its true error, and its time compared with the cheapest way that `barwave cost` finds. Then the same
+//! with leapfrog and with muscl as the only method.
 //!
-//! `cargo run --release --example tolerance [SECONDS [SET]] > docs/tolerance.csv`; SECONDS (10 where not given) is the budget of
-//! the cost study of each scene. With 0 there is none, and its columns stay empty. SET is "settled on", "held out" or the name of a
-//! scene.
+//! `cargo run --release --example tolerance [SECONDS [SET]] > docs/tolerance.csv`; SECONDS (default 10) is the budget of the cost study of each
+//! scene. With 0, there is no study, and its columns are empty. SET is "settled on", "held out" or the name of a scene.
 
 #[path = "../tests/common/known.rs"]
 mod known;
@@ -18,15 +17,15 @@ use barwave::scene::Method;
 use barwave::study::cost::{Cost, CostToTolerance, Hooks, cost};
 use known::{Known, held_out, known};
 
-/// Tolerances of the free choice, and of a scheme that has to do it alone.
+/// Tolerances with a free choice of the method, and with one method only.
 const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 const ALONE: [f64; 3] = [1e-1, 3e-2, 1e-2];
 
-/// The chosen run is timed so many times; the shortest counts.
+/// Number of timed repeats of the chosen run, of which the shortest counts; a run longer than LONG, s, is timed once.
 const REPEATS: usize = 5;
 const LONG: f64 = 0.3;
 
-/// The study of a scene, without whole processes.
+/// Returns the cost study of a scene, without whole processes; `None` if there is no budget or the study fails.
 fn study(case: &Known, budget: f64) -> Option<Cost> {
     let scene = case.scene("");
     let mut hooks = Hooks {
@@ -38,7 +37,7 @@ fn study(case: &Known, budget: f64) -> Option<Cost> {
     (budget > 0.0).then(|| cost(&scene, &mut hooks).ok()).flatten()
 }
 
-/// Shortest stepping time of the resolution that a run ended with, s.
+/// Returns the shortest stepping time with the resolution that a run ended with, s.
 fn stepping(case: &Known, summary: &Summary) -> f64 {
     let last = summary.choice.as_ref().and_then(|c| c.tried.last()).map(|t| &t.by).expect("a choice");
     let solve = match (last.cells, last.front_tolerance) {
@@ -49,11 +48,11 @@ fn stepping(case: &Known, summary: &Summary) -> f64 {
     let scene = case.scene(&solve);
     let time = |_| run::run(&scene, None, &mut |_| ControlFlow::Continue(())).map_or(f64::NAN, |s| s.step_wall_s);
     let first = time(0);
-    // A run that takes long is not disturbed by what goes on for a moment.
+    // A long run is hardly affected by short disturbances.
     if first > LONG { first } else { (1..REPEATS).map(time).fold(first, f64::min) }
 }
 
-/// One row: a scene to a tolerance, by the method that is chosen or by the one that is `alone`.
+/// Prints one row: a scene to a tolerance, by the chosen method, or by `alone` as the only method.
 fn row(set: &str, case: &Known, uncertainty: f64, study: Option<&Cost>, alone: Option<&str>, tolerance: f64) {
     let meant = |method: &Method| alone.is_none_or(|alone| method.names()[1] == alone);
     let scene = case.scene(&format!("tolerance = {tolerance:e}")).with_methods(meant);

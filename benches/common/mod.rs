@@ -1,4 +1,4 @@
-//! What the benches of effects have in common.
+//! Functions shared by the benches of effects.
 
 use std::path::Path;
 use std::time::Instant;
@@ -6,10 +6,10 @@ use std::time::Instant;
 use barwave::assemble;
 use barwave::scene::Scene;
 
-/// Cells of the grid.
+/// Number of cells of the grid.
 pub const CELLS: usize = 10_000;
 
-/// A bar of 1 m of bilinear steel, its left end moved: further keys of the bar, the material and the effects, a line each.
+/// Returns a bar of 1 m of bilinear steel whose left end moves; `bar`, `material` and `effects` are further keys, one per line.
 pub fn scene(velocity: f64, bar: &str, material: &str, effects: &str) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\n{bar}\n[bar.material]\nname = \"bench\"\ndensity = 7800\nmodulus = 200e9\n{material}\n\
@@ -19,7 +19,7 @@ pub fn scene(velocity: f64, bar: &str, material: &str, effects: &str) -> Scene {
     Scene::parse("bench", &text, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Shortest of some runs over 0.8 of the elastic wave's way through the bar, ns for a cell and a step.
+/// Returns the shortest stepping time of several runs over 0.8 of the elastic wave's transit time, ns per cell and step.
 pub fn shortest(scene: &Scene, runs: usize) -> f64 {
     let steps = CELLS * 4 / 5;
     let run = |_| {

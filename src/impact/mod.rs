@@ -37,7 +37,7 @@ use crate::units::{self, Dimension, format};
 /// Callback that receives the progress, 0 to 1, and can interrupt an integration.
 pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 
-/// An impact of any kind: put together from its public type, or read from a scene.
+/// An impact of any kind: constructed from its public type, or read from a scene.
 ///
 /// ```
 /// use barwave::impact::{Elastic, Plate, Problem, Solid};

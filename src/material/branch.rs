@@ -22,7 +22,7 @@ const SLIPS: [(f64, &str); 5] = [(1e3, "kPa"), (6.894_757e3, "psi"), (1e6, "MPa"
 #[derive(Debug)]
 pub(super) struct Branch {
     pub(super) curve: Curve,
-    /// Largest distance in stress from what it was made of, Pa.
+    /// Largest stress difference from the law or the rows that the curve was made from, Pa.
     pub(super) error: f64,
 }
 

@@ -129,7 +129,6 @@ impl<Raw> LawKeys<Raw> {
 /// their names, and the table of a file in which their constants are keys. A row of a constant consists of its name in Rust, its key, and the type
 /// of the key. A row of a law consists of its names in Rust and in files, and its constants by their names in Rust, each with an example, and with
 /// a range if it is narrower than that of the key.
-/// is narrower than that of the key.
 macro_rules! laws {
     (
         $(#[doc = $law_doc:literal])*

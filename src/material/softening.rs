@@ -1,8 +1,8 @@
 //! Thermal softening: the homologous temperature as a function of plastic work.
 //!
 //! With theta = (T - Tref)/(Tm - Tref) the stress is the cold stress times g = 1 - theta^m (Johnson and Cook), and plastic work causes the heating
-//! `d theta = chi f g dp/(rho c (Tm - Tref))`. In terms of the cold work, `d omega = chi f dp/(rho c (Tm - Tref))`, this is `d theta/d omega = 1 -
-//! theta^m`: one function theta(omega) for each m, independent of the curve. It never reaches 1.
+//! `d theta = chi f g dp/(rho c (Tm - Tref))`. In terms of the cold work, `d omega = chi f dp/(rho c (Tm - Tref))`, this is
+//! `d theta/d omega = 1 - theta^m`: one function theta(omega) for each m, independent of the curve. It never reaches 1.
 
 /// Nodes and weights of the Gauss-Legendre rule with eight points, the positive half.
 const GAUSS: [(f64, f64); 4] = [

@@ -570,8 +570,8 @@ fn notes(scene: &Scene, audit: &[AuditRow]) -> Vec<String> {
     scene.notes().into_iter().chain(neglected).collect()
 }
 
-/// Returns the rows for balls whose pressure exceeds the elastic limit of the bar, whose ends are elastic under the contact, or whose contact is not
-/// small.
+/// Returns the rows for balls whose contact pressure exceeds the elastic limit of the bar, although the contact is simulated as elastic, or whose
+/// contact is not small.
 fn contacts_beyond_hertz(scene: &Scene, figures: &Figures) -> Vec<AuditRow> {
     let last = scene.bar.segments.len() - 1;
     let rows = |(side, end, segment, k): (&str, &EndCondition, usize, usize)| {

@@ -5,7 +5,6 @@
 //! by the curvature of the interval, as far as it exceeds the noise. Therefore neither the toe nor the knee is part of the fit. Rounded strains are
 //! an error that the noise does not show: a clean record whose spacing is near a multiple of the step follows one straight line up to the first
 //! extra step, and another one after it.
-//! extra step, and another one behind it.
 
 use super::fit::{Fit, line, polynomial};
 

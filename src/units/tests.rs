@@ -19,7 +19,7 @@ fn a_unit_tells_which_of_like_dimensions_is_meant() {
     assert!(of("3 rpm").is_like(of("3 rad/s")) && !of("3 m").is_like(of("3 s")));
 }
 
-/// Decimal units come out as the very number that a Rust literal gives.
+/// Decimal units give exactly the same number as a Rust literal.
 #[test]
 fn decimal_spellings_are_exact() {
     use Dimension as D;
@@ -96,7 +96,7 @@ fn decimal_spellings_are_exact() {
     }
 }
 
-/// Pounds per square inch and their kin are no decimal numbers: a few roundings of 1.1e-16 each.
+/// Units based on the pound-force are not decimal: a few roundings of 1.1e-16 each are allowed.
 #[test]
 fn pound_force_spellings_are_right_to_the_last_digits() {
     use Dimension as D;
@@ -145,7 +145,7 @@ fn a_wrong_dimension_names_both_and_an_example() {
     assert!(message.contains("`lb` is mass, `lbf` is force"), "{message}");
     let message = refused("20 degC", Dimension::Time);
     assert!(message.contains("is a temperature, but a time"), "{message}");
-    // Read from left to right, a blank multiplies: K does not stand below the line here.
+    // Units are read from left to right and a blank multiplies, so that K is not in the denominator here.
     assert!(refused("385 J/kg K", Dimension::SpecificHeat).contains("is in m^2 s^-2 K, but a specific heat"));
 }
 
@@ -201,7 +201,7 @@ fn what_is_no_quantity_is_refused() {
 }
 
 proptest! {
-    /// What is shown can be read again, to the six digits shown.
+    /// Numbers as shown can be read again, to the six digits shown.
     #[test]
     fn shown_numbers_read_back(mantissa in -9.99_f64..9.99, power in -12_i32..12, d in 0..Dimension::ALL.len(), us: bool) {
         let (value, dimension) = (mantissa * 10f64.powi(power), Dimension::ALL[d]);
@@ -210,7 +210,7 @@ proptest! {
         prop_assert!((back - value).abs() <= 5.1e-6 * value.abs(), "{} -> {} -> {}", value, text, back);
     }
 
-    /// SI text is the number itself.
+    /// Text in SI units gives the number itself.
     #[test]
     fn si_symbols_are_neutral(value in -1e12_f64..1e12, d in 0..Dimension::ALL.len()) {
         let dimension = Dimension::ALL[d];

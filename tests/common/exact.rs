@@ -14,7 +14,7 @@ struct Cases {
     hardening: Vec<Case>,
 }
 
-/// One case; numbers are texts such as "-9/8", see [`number`].
+/// One case. Numbers are texts such as "-9/8", see [`number`].
 #[derive(Deserialize)]
 pub struct Case {
     pub name: String,
@@ -43,7 +43,7 @@ pub fn cases() -> &'static [Case] {
     })
 }
 
-/// "-9/8" and the like.
+/// Parses a number such as "-9/8".
 pub fn number(text: &str) -> f64 {
     let (n, d) = text.split_once('/').unwrap_or((text, "1"));
     n.parse::<f64>().expect("numerator") / d.parse::<f64>().expect("denominator")
@@ -53,7 +53,7 @@ pub fn numbers<const N: usize>(row: &[String; N]) -> [f64; N] {
     std::array::from_fn(|k| number(&row[k]))
 }
 
-/// What holds or drives the two ends of a case; its name says so.
+/// Returns the conditions at both ends of a case, which its name states.
 pub fn ends(case: &Case) -> [EndCondition; 2] {
     let (kind, rest) = case.name.split_once('_').expect("kind_...");
     let strength = |mark: char| number(&rest[rest.rfind(mark).expect("strength") + 1..]);

@@ -1,4 +1,4 @@
-//! Scenes of impacts in `runs/` through the program.
+//! Runs impact scenes of `runs/` with the program.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -7,20 +7,20 @@ use barwave::impact::{Beam, Elastic, Face, Foundation, Plate, Section, Solid};
 use barwave::record::store::{ResultFile, StoredImpact};
 use serde_json::Value;
 
-/// A steel.
+/// Elastic constants of steel.
 pub const STEEL: Elastic = Elastic { modulus: 207e9, poisson: 0.3, density: 7850.0, yield_stress: None };
 
-/// A ball of 5 mm with this velocity, m/s.
+/// Returns a steel ball with a radius of 5 mm and this velocity, m/s.
 pub fn ball(velocity: f64) -> Solid {
     Solid { radius: 0.005, mass: 0.0041, velocity, elastic: STEEL }
 }
 
-/// A plate that the ball strikes at 1 m/s.
+/// Returns a steel plate struck by the ball at 1 m/s.
 pub fn plate() -> Plate {
     Plate { thickness: 0.01, elastic: STEEL, striker: ball(1.0), tolerance: 1e-6, until: None }
 }
 
-/// A beam that the ball strikes in the middle at 0.01 m/s.
+/// Returns a steel beam struck by the ball in the middle at 0.01 m/s.
 pub fn beam() -> Beam {
     Beam {
         length: 0.15,
@@ -37,12 +37,12 @@ pub fn beam() -> Beam {
     }
 }
 
-/// Path of a scene in `runs/`.
+/// Returns the path of a scene in `runs/`.
 pub fn scene(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("runs").join(name)
 }
 
-/// A command of the program on a scene in `runs/`.
+/// Runs a command of the program on a scene in `runs/`.
 pub fn barwave(folder: &Path, command: &str, name: &str, sets: &[&str], more: &[&str]) -> Output {
     let mut program = Command::new(env!("CARGO_BIN_EXE_barwave"));
     program.current_dir(folder).arg(command).arg(scene(name)).args(more);
@@ -52,12 +52,12 @@ pub fn barwave(folder: &Path, command: &str, name: &str, sets: &[&str], more: &[
     program.output().expect("barwave starts")
 }
 
-/// The summary of a run.
+/// Runs a scene and returns its summary.
 pub fn run(name: &str, sets: &[&str]) -> Value {
     recorded(name, sets).0
 }
 
-/// The summary of a run, and what its file holds.
+/// Runs a scene and returns its summary and the contents of its result file.
 pub fn recorded(name: &str, sets: &[&str]) -> (Value, StoredImpact) {
     let folder = tempfile::tempdir().expect("a folder");
     let output = barwave(folder.path(), "run", name, sets, &["-o", "r.h5", "--json"]);
@@ -67,7 +67,7 @@ pub fn recorded(name: &str, sets: &[&str]) -> (Value, StoredImpact) {
     (serde_json::from_slice(&output.stdout).expect("one JSON value"), impact)
 }
 
-/// A number of a summary, by its JSON pointer or its key.
+/// Returns a number of a summary, by its JSON pointer or its key.
 #[track_caller]
 pub fn number(summary: &Value, key: &str) -> f64 {
     let value = if key.starts_with('/') { summary.pointer(key) } else { summary.get(key) };
@@ -80,7 +80,7 @@ pub fn within(summary: &Value, key: &str, expected: f64, most: f64) {
     assert!((value - expected).abs() <= most, "{key}: {value}, expected {expected} within {most}");
 }
 
-/// As printed to six digits.
+/// Checks that a number agrees with `expected` to the six digits that are printed.
 #[track_caller]
 pub fn to_six_digits(summary: &Value, key: &str, expected: f64) {
     within(summary, key, expected, 5.1e-6 * expected.abs());

@@ -1,6 +1,5 @@
-//! Scenes whose answers are known: self-similar ones, those that front tracking follows exactly, elastic waves with formulas of
-//! their own, and runs much finer than any that is judged. On the twenty here the factors of the estimates were settled; those
-//! of [`held_out`] had no part in that.
+//! Scenes with known solutions: self-similar ones, those that front tracking solves exactly, elastic waves with formulas, and runs much finer
+//! than any that is tested. The twenty scenes here were used to determine the factors of the error estimates; those of [`held_out`] were not.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
 #[path = "held_out.rs"]
@@ -20,23 +19,23 @@ use barwave::solver::net::Net;
 
 pub use held_out::held_out;
 
-/// Where the answer comes from.
+/// Source of the reference solution.
 pub enum Truth {
-    /// Front tracking that keeps every wave.
+    /// Front tracking without merged waves.
     Tracked,
-    /// sigma = -rho c0 v(t - x/c0) of an elastic bar that is driven at its left end.
+    /// sigma = -rho c0 v(t - x/c0), for an elastic bar driven at its left end.
     Travelling,
-    /// Stress at x and t in this scene.
+    /// Formula for the stress at x and t in this scene.
     Formula(fn(&Scene, f64, f64) -> f64),
-    /// A characteristic net of so many cells.
+    /// Characteristic net with this number of cells.
     Net(usize),
-    /// Leapfrog with so many cells.
+    /// Leapfrog with this number of cells.
     Leapfrog(usize),
-    /// Front tracking with this front tolerance and steps of ramps.
+    /// Front tracking with this front tolerance, which is also the size of the steps of ramps.
     Fine(f64),
 }
 
-/// A scene without method.
+/// Scene without a method, with its reference solution.
 pub struct Known {
     pub name: &'static str,
     pub text: String,
@@ -51,7 +50,7 @@ const ELASTIC: &str =
 const POWER: &str = r#"{ name = "p", density = 7800, modulus = "200 GPa", beyond = "extend", measure = "engineering", curve = { formula = "hollomon", K = "796.214341107 MPa", n = 0.2, tabulate = { tolerance = 1e-4, to-strain = 0.05 } } }"#;
 const LOCKING: &str = r#"{ name = "c", density = 200, beyond = "extend", curve = { table = [[0.01, "1 MPa"], [0.6, "1.2 MPa"], [0.7, "5 MPa"], [0.75, "20 MPa"]] } }"#;
 
-/// Time in which an elastic wave crosses a metre of steel, s.
+/// Transit time of an elastic wave through a metre of steel, s.
 const TRANSIT: f64 = 1.974_841_766e-4;
 
 fn driven(value: &str) -> String {
@@ -82,7 +81,7 @@ fn two(first: (f64, f64, &str), second: (f64, f64, &str)) -> String {
 
 const ISOTROPIC: &str = "hardening = \"isotropic\"";
 
-/// All twenty.
+/// Returns the twenty scenes.
 pub fn known() -> Vec<Known> {
     let t = TRANSIT;
     let moving = format!("{}\nvelocity = \"-15 m/s\"", one(BILINEAR));
@@ -152,14 +151,14 @@ pub fn known() -> Vec<Known> {
 }
 
 impl Known {
-    /// The scene, with these lines added under `[solve]`.
+    /// Returns the scene with these lines added under `[solve]`.
     pub fn scene(&self, solve: &str) -> Scene {
         let text = self.text.replace("[solve]\n", &format!("[solve]\n{solve}\n"));
         let read = Scene::parse(self.name, &text, Path::new(""), &[]);
         read.unwrap_or_else(|e| panic!("{}: {e}\n{text}", self.name))
     }
 
-    /// Relative L1 error of the stress of a run at its end time, from the method that its summary names.
+    /// Returns the relative L1 error of stress at the end time, with the method and resolution that the summary of a run names.
     pub fn true_error(&self, scene: &Scene, summary: &Summary) -> f64 {
         let tried = summary.choice.as_ref().and_then(|c| c.tried.last()).expect("a choice");
         let asked = scene.solve.tolerance.as_ref().expect("a tolerance");
@@ -172,7 +171,7 @@ impl Known {
         self.error_by(scene, method)
     }
 
-    /// The same of a scene's own method.
+    /// Returns the relative L1 error of stress at the end time with the scene's own method.
     pub fn error_of(&self, scene: &Scene) -> f64 {
         self.error_by(scene, scene.solve.method)
     }
@@ -214,14 +213,14 @@ impl Known {
             let (apart, total) = self.exact(scene, bar.time()).stress_difference(bar);
             return apart / total;
         }
-        // As many places as show a step of a thousandth.
+        // Enough positions to resolve an error of 0.001.
         let x: Vec<f64> = (0..20_000).map(|k| (f64::from(k) + 0.5) * scene.bar.length() / 20_000.0).collect();
         let mut found = vec![0.0; x.len()];
         bar.sample(barwave::record::Field::Stress, &x, &mut found);
         self.error_at(scene, bar.time(), &x, &found)
     }
 
-    /// Relative L1 of what was found at these places, m.
+    /// Returns the relative L1 error of the stress `found` at these positions (m).
     fn error_at(&self, scene: &Scene, time: f64, x: &[f64], found: &[f64]) -> f64 {
         let mut exact = vec![0.0; x.len()];
         self.answer(scene, time, x, &mut exact);
@@ -229,7 +228,7 @@ impl Known {
         apart / exact.iter().map(|e| e.abs()).sum::<f64>()
     }
 
-    /// The true stress, Pa, at these places.
+    /// Computes the true stress (Pa) at these positions.
     fn answer(&self, scene: &Scene, time: f64, x: &[f64], exact: &mut [f64]) {
         match self.truth {
             Truth::Tracked => self.exact(scene, time).sample(barwave::record::Field::Stress, x, exact),
@@ -260,18 +259,18 @@ impl Known {
     }
 }
 
-/// The last steps of a characteristic net, which runs once in a process: runs of one scene on different grids end within a step of one
-/// another.
+/// Last steps of a characteristic net, which is run once per process: the end times of runs of a scene on different grids differ by less than a
+/// step.
 struct Reference {
     net: Net,
-    /// The step of the first row.
+    /// Step of the first row.
     first: usize,
-    /// Stress in every cell after each step from then on.
+    /// Stress in every cell after each step, from step `first`.
     rows: Vec<Vec<f64>>,
 }
 
 impl Reference {
-    /// Time that is kept before and after the end of the scene, over that of the whole run.
+    /// Time stored before and after the end time of the scene, relative to the end time.
     const KEPT: f64 = 0.01;
 
     fn of(name: &'static str, scene: &Scene, cells: usize) -> Arc<Self> {
@@ -293,7 +292,7 @@ impl Reference {
         Self { net, first, rows }
     }
 
-    /// Stress at a time, straight between the steps, read at these places.
+    /// Interpolates the stress linearly in time, and to these positions.
     fn read(&self, time: f64, x: &[f64], stress: &mut [f64]) {
         let steps = time / self.net.grid().dt;
         let before = (steps + 1e-6).floor();
@@ -307,7 +306,7 @@ impl Reference {
     }
 }
 
-/// Stress of a bar on a grid at a time, straight between its steps, read at these places.
+/// Steps a bar to a time; the stress is interpolated linearly between two steps, and to these positions.
 fn on_grid(mut bar: impl Stepped, time: f64, x: &[f64], stress: &mut [f64]) {
     let steps = time / bar.grid().dt;
     for _ in 0..(steps + 1e-6).floor() as usize {

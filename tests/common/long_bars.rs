@@ -1,4 +1,4 @@
-//! Ten bars in which waves multiply: fans that meet reflections, unloading, steps in area, other materials.
+//! Ten bars in which waves multiply: fans that meet reflections, unloading, steps in area, several materials.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
 use std::convert::Infallible;
@@ -11,7 +11,7 @@ use barwave::record::{ErrorTable, Measure};
 use barwave::solver::moc::{FrontTracking, Settings, Stopped};
 use barwave::wave::riemann::Flow;
 
-/// A bar to be followed over ten transits of an elastic wave.
+/// Bar that is simulated for ten transits of an elastic wave.
 pub struct Case {
     pub name: &'static str,
     pub bar: Bar,
@@ -26,7 +26,7 @@ fn material(rows: &[(f64, f64)], density: f64) -> Arc<Material> {
     )
 }
 
-/// A power law above yield, cut into `knots` at even steps of the logarithm of strain.
+/// Returns a material with a power law above yield, with `knots` knots evenly spaced in the logarithm of strain.
 fn power_law(modulus: f64, density: f64, yield_stress: f64, exponent: f64, knots: i32) -> Arc<Material> {
     let first = yield_stress / modulus;
     let strain = |k: i32| first * (0.2 / first).powf(f64::from(k) / f64::from(knots - 1));
@@ -51,7 +51,7 @@ fn pulse(stress: f64, until: f64) -> EndCondition {
     EndCondition::Stress { history }
 }
 
-/// Ten of them.
+/// Returns the ten bars.
 pub fn cases() -> Vec<Case> {
     use EndCondition::{Fixed, Free};
     let plastic = |kinematic| Flow::Plastic { kinematic };
@@ -81,24 +81,24 @@ pub fn cases() -> Vec<Case> {
 }
 
 impl Case {
-    /// The end of the run, s.
+    /// Returns the end time, s.
     pub fn until(&self) -> f64 {
         10.0 * self.bar.transit_time()
     }
 
-    /// The bar before a run.
+    /// Returns the bar at t = 0.
     pub fn start(&self, settings: Settings) -> FrontTracking {
         FrontTracking::new(&self.bar, self.flow, self.ends.clone(), settings)
     }
 
-    /// The bar at the end of a run with this front tolerance.
+    /// Returns the bar at the end of a run with this front tolerance.
     pub fn run(&self, front_tolerance: f64, event_budget: u64) -> (FrontTracking, Result<(), Stopped>) {
         let mut run = self.start(Settings { front_tolerance, event_budget, ..Settings::default() });
         let ended = run.advance_to(self.until());
         (run, ended)
     }
 
-    /// What is compared of a run: its end.
+    /// Returns the state at the end of a run, which is compared.
     fn response(&self, run: &FrontTracking) -> Response {
         let mut listener = FrontListener::new(&self.bar, 0, &[]);
         listener.look(run);
@@ -106,10 +106,10 @@ impl Case {
     }
 }
 
-/// How far a run may be off at its end, in stress or in plastic strain, by its companions.
+/// Returns the estimated error of a run at its end, in stress or in plastic strain, whichever is larger, from companion runs.
 ///
 /// # Errors
-/// The coarser companion does not come to its end.
+/// The coarser companion run is stopped.
 pub fn estimate(case: &Case, run: &FrontTracking, settings: Settings) -> Result<f64, Stopped> {
     let follow = |settings| -> Result<(FrontTracking, Response), Stopped> {
         let mut bar = case.start(settings);
@@ -126,7 +126,8 @@ pub fn estimate(case: &Case, run: &FrontTracking, settings: Settings) -> Result<
     Ok(larger(&companions.errors(run, &response)))
 }
 
-/// How far a run is from a better one at its end, in stress or in plastic strain, relative, as the estimate is, to the run's own.
+/// Returns the difference of a run from a more accurate one at its end, in stress or in plastic strain, relative to the run's own values, as in
+/// the estimate.
 pub fn error(case: &Case, run: &FrontTracking, better: &FrontTracking) -> f64 {
     let own = case.response(run);
     larger(&own.apart(&case.response(better), &own))

@@ -1,4 +1,4 @@
-//! Scenes by every method, through the program itself.
+//! Runs scenes with every method through the program.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
 use barwave::record::LedgerRow;
@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use super::binary::barwave;
 
-/// Name, `[solve]` without the end time, `[effects]`.
+/// Name, `[solve]` without the end time, and `[effects]` of a method.
 pub type Method = (&'static str, &'static str, &'static str);
 
 pub const METHODS: [Method; 4] = [
@@ -20,12 +20,12 @@ pub const METHODS: [Method; 4] = [
 pub const BILINEAR: &str = "{ name = \"bilinear\", density = 7800, modulus = 200e9, beyond = \"extend\", curve = { table = [[0.001, 200e6], [0.021, 600e6]] } }";
 pub const AREA: f64 = 1e-4;
 
-/// rho c0 A, N s/m.
+/// Returns the impedance rho c0 A, N s/m.
 pub fn impedance() -> f64 {
     AREA * (7800.0 * 200e9_f64).sqrt()
 }
 
-/// The result of a scene, in a folder of its own.
+/// Runs a scene in a folder of its own and returns the folder and the result.
 pub fn finished(name: &str, scene: &str) -> (TempDir, ResultFile) {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("scene.toml"), scene).expect("a folder to write to");
@@ -35,7 +35,7 @@ pub fn finished(name: &str, scene: &str) -> (TempDir, ResultFile) {
     (folder, file)
 }
 
-/// The account closes, and no energy is negative.
+/// Checks that the energy balance closes, no energy is negative and dissipation does not decrease; returns the ledger.
 pub fn assert_ledger(name: &str, file: &ResultFile, scene: &str) -> Vec<LedgerRow> {
     let ledger = file.ledger().expect("a ledger");
     let scale = ledger.iter().map(|row| row.energies.total().abs()).fold(f64::MIN_POSITIVE, f64::max);
@@ -46,7 +46,7 @@ pub fn assert_ledger(name: &str, file: &ResultFile, scene: &str) -> Vec<LedgerRo
         for (what, energy) in [("kinetic", e.kinetic), ("elastic", e.elastic), ("foundation", e.foundation)] {
             assert!(energy >= 0.0, "{name}: {what} {energy:e}\n{scene}");
         }
-        // Rounding of sums over cells.
+        // Allowance for rounding of sums over cells.
         let rounding = 1e-13 * scale;
         for (least, energy) in taken.iter_mut().zip([e.damping, e.plastic + e.heat, e.viscoplastic]) {
             assert!(energy >= *least - rounding, "{name}: dissipation falls from {least:e} to {energy:e}\n{scene}");

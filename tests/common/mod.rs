@@ -1,4 +1,4 @@
-//! Bars without scene files, for the integration tests.
+//! Builds bars without scene files, for the integration tests.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
 pub mod binary;
@@ -19,64 +19,64 @@ use barwave::record::Ledger;
 use barwave::scene::{Effects, HardeningRule};
 use barwave::solver::fd::{Grid, Leapfrog, Quantity};
 
-/// Pa.
+/// Elastic modulus, Pa.
 pub const MODULUS: f64 = 200e9;
-/// kg/m^3.
+/// Density, kg/m^3.
 pub const DENSITY: f64 = 7800.0;
-/// Pa.
+/// Yield stress, Pa.
 pub const YIELD: f64 = 200e6;
 
-/// The bilinear steel of the benchmarks: yield at 200 MPa, then a tangent modulus of 20 GPa.
+/// Returns the bilinear steel of the benchmarks: yield stress 200 MPa, then a tangent modulus of 20 GPa.
 pub fn bilinear_steel() -> Material {
     material(&[(0.001, YIELD), (0.021, 600e6)], Beyond::Extend)
 }
 
-/// A material of [`DENSITY`] with one table.
+/// Returns a material of [`DENSITY`] with this table.
 pub fn material(rows: &[(f64, f64)], beyond: Beyond) -> Material {
     Material::from_curve("steel", DENSITY, Curve::new(rows, beyond).expect("rows rise")).expect("a material")
 }
 
-/// Hooke's law for ever.
+/// Returns a material that is elastic at all strains.
 pub fn elastic_steel() -> Material {
     material(&[(0.01, 2e9)], Beyond::Extend)
 }
 
-/// 60 knots on 200 MPa (eps/0.001)^0.2.
+/// Returns a material with 60 knots on the curve 200 MPa (eps/0.001)^0.2.
 pub fn power_law_steel() -> Material {
     power_law_table(60)
 }
 
-/// Knots on 200 MPa (eps/0.001)^0.2 from strain 0.001 to 0.05, evenly spaced in the logarithm of strain.
+/// Returns a material with knots on the curve 200 MPa (eps/0.001)^0.2 from strain 0.001 to 0.05, evenly spaced in the logarithm of strain.
 pub fn power_law_table(knots: u32) -> Material {
     let knot = |k: u32| 0.001 * 50.0_f64.powf(f64::from(k) / f64::from(knots - 1));
     let rows: Vec<(f64, f64)> = (0..knots).map(|k| (knot(k), YIELD * (knot(k) / 0.001).powf(0.2))).collect();
     material(&rows, Beyond::Extend)
 }
 
-/// A resting segment of 1 m^2, bonded to the next.
+/// Returns a segment of 1 m^2 at rest, bonded to the next.
 pub fn segment(material: Material, length: f64) -> Segment {
     Segment::new(length, 1.0, material)
 }
 
-/// The end moves with this velocity from t = 0 on.
+/// Returns an end with constant velocity from t = 0.
 pub fn moved(velocity: f64) -> EndCondition {
     EndCondition::Velocity { history: History::constant(velocity), release: None }
 }
 
-/// The end moves as these rows say.
+/// Returns an end with a history of velocity.
 pub fn moved_by(rows: &[(f64, f64)]) -> EndCondition {
     EndCondition::Velocity { history: history(rows), release: None }
 }
 
-/// The end carries the stress of these rows.
+/// Returns an end with a history of stress.
 pub fn loaded_by(rows: &[(f64, f64)]) -> EndCondition {
     EndCondition::Stress { history: history(rows) }
 }
 
-/// Area of the bar that [`busy_ends`] are made for, m^2.
+/// Cross-section of the bar for which [`busy_ends`] are chosen, m^2.
 pub const BUSY_AREA: f64 = 0.7;
 
-/// Ends of every kind but balls, the driven ones strong enough for a bar of this area (m^2) to yield (at 5 m/s or 200 MPa).
+/// Returns ends of every kind except balls. Driven ends, at 5 m/s or 200 MPa, are strong enough for a bar of this area (m^2) to yield.
 pub fn busy_ends(area: f64) -> Vec<EndCondition> {
     let ramp = [(0.0, 0.0), (2e-5, 15.0), (9e-5, 15.0), (9e-5, -12.0), (2e-4, 0.0)];
     let scale = area / BUSY_AREA;
@@ -93,17 +93,17 @@ pub fn busy_ends(area: f64) -> Vec<EndCondition> {
         EndCondition::Striker { mass: 3000.0 * scale, velocity: 14.0 },
         EndCondition::Striker { mass: 800.0 * scale, velocity: -9.0 },
         EndCondition::Spring { stiffness: 3e10 * scale },
-        // Far stiffer than a cell.
+        // Much stiffer than a cell.
         EndCondition::Spring { stiffness: 1e15 * scale },
     ]
 }
 
-/// A history from rows that are in order.
+/// Returns a history from rows in order of time.
 pub fn history(rows: &[(f64, f64)]) -> History {
     History::new(rows).expect("rows are in order")
 }
 
-/// A pulse sin^4 of 5 m/s (below the yield of the steels here) that takes this time to pass, s.
+/// Returns a pulse sin^4 of 5 m/s (below yield for the steels here) of this duration, s.
 pub fn smooth_pulse(duration: f64) -> History {
     let row = |k: u32| {
         let s = f64::from(k) / 4000.0;
@@ -112,7 +112,7 @@ pub fn smooth_pulse(duration: f64) -> History {
     history(&(0..=4000).map(row).collect::<Vec<_>>())
 }
 
-/// The bar, ready to step.
+/// Returns a leapfrog bar at t = 0.
 pub fn leapfrog(
     segments: Vec<Segment>,
     ends: [EndCondition; 2],
@@ -127,26 +127,26 @@ pub fn leapfrog(
     Leapfrog::new(&bar, grid, laws, ends)
 }
 
-/// A number of steps.
+/// Advances a bar by a number of steps.
 pub fn advance(bar: &mut Leapfrog, steps: usize) {
     bar.advance_by(steps);
 }
 
-/// Steps up to the step nearest to a time.
+/// Advances a bar to the step nearest to a time.
 pub fn advance_to(bar: &mut Leapfrog, time: f64) {
     let last = (time / bar.grid().dt).round() as usize;
     bar.advance_by(last.saturating_sub(bar.step()));
 }
 
-/// A quantity in every cell.
+/// Returns a quantity in every cell.
 pub fn profile(bar: &Leapfrog, quantity: Quantity) -> Vec<f64> {
     let mut values = vec![0.0; bar.grid().cells()];
     bar.profile(quantity, &mut values);
     values
 }
 
-/// Momentum and energy must be accounted for to 1e-10 of what went through the bar: sums of some 1e6 terms with errors
-/// of 1e-16 each, most of which cancel; a term that is missing anywhere shows as 1e-5 and more.
+/// Checks that the balances of momentum and energy close to 1e-10 of the throughput of the bar. These are sums of about 1e6 terms with errors of
+/// 1e-16 each, most of which cancel; a missing term causes residuals of 1e-5 and more.
 pub fn assert_ledger(ledger: &Ledger, what: &str) {
     assert!(ledger.worst_energy() < 1e-10, "{what}: energy residual {:e}", ledger.worst_energy());
     assert!(ledger.worst_momentum() < 1e-10, "{what}: momentum residual {:e}", ledger.worst_momentum());

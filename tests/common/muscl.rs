@@ -1,4 +1,4 @@
-//! Bars stepped by the conservative scheme, without scene files.
+//! Builds bars for the conservative scheme (muscl), without scene files.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
 use barwave::assemble::{medium, segment_law};
@@ -8,7 +8,7 @@ use barwave::scene::{Effects, HardeningRule};
 use barwave::solver::fd::{Grid, Quantity};
 use barwave::solver::muscl::Muscl;
 
-/// The bar, ready to step.
+/// Returns a bar at t = 0.
 pub fn muscl(
     segments: Vec<Segment>,
     ends: [EndCondition; 2],
@@ -24,14 +24,14 @@ pub fn muscl(
     Muscl::new(&bar, grid, laws, media, ends)
 }
 
-/// Steps up to the step nearest to a time.
+/// Advances a bar to the step nearest to a time.
 pub fn advance_to(bar: &mut Muscl, time: f64) {
     while bar.time() < time - 0.5 * bar.grid().dt {
         bar.advance();
     }
 }
 
-/// Steps up to a time, with its account kept.
+/// Advances a bar to the step nearest to a time, and returns its ledger.
 pub fn advance_with_ledger(bar: &mut Muscl, time: f64) -> Ledger {
     let mut ledger = Ledger::new(bar);
     while bar.time() < time - 0.5 * bar.grid().dt {
@@ -41,19 +41,19 @@ pub fn advance_with_ledger(bar: &mut Muscl, time: f64) -> Ledger {
     ledger
 }
 
-/// A quantity in every cell.
+/// Returns a quantity in every cell.
 pub fn profile(bar: &Muscl, quantity: Quantity) -> Vec<f64> {
     let mut values = vec![0.0; bar.grid().cells()];
     bar.profile(quantity, &mut values);
     values
 }
 
-/// Largest difference of two profiles of one length.
+/// Returns the largest difference of two profiles of equal length.
 pub fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Mean difference of a profile from one with `by` times as many cells, averaged over each group of cells.
+/// Returns the mean difference of a profile from one with `by` times as many cells, averaged over each group of cells.
 pub fn mean_difference(coarse: &[f64], fine: &[f64], by: usize) -> f64 {
     let groups = fine.chunks_exact(by).map(|group| group.iter().sum::<f64>() / by as f64);
     coarse.iter().zip(groups).map(|(c, f)| (c - f).abs()).sum::<f64>() / coarse.len() as f64

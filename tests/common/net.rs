@@ -1,4 +1,4 @@
-//! Bars on a characteristic net, without scene files.
+//! Builds bars on a characteristic net, without scene files.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
 use barwave::bar::{Bar, EndCondition, Segment};
@@ -8,14 +8,14 @@ use barwave::material::{Material, Sense};
 use barwave::solver::fd::Quantity;
 use barwave::solver::net::{self, Net};
 
-/// The law of a material.
+/// Returns the rate law of a material.
 pub fn law(material: &Material, overstress: Overstress, kinematic: f64) -> RateLaw {
     let table = |sense| Table::new(material.branch(sense), material.modulus);
     let compression = material.compression.is_some().then(|| table(Sense::Compression));
     RateLaw::new(overstress, &table(Sense::Tension), compression.as_ref(), kinematic)
 }
 
-/// The bar at t = 0, all segments under one law of overstress.
+/// Returns the net at t = 0, with the same overstress law in all segments.
 pub fn net(
     segments: Vec<Segment>,
     ends: [EndCondition; 2],
@@ -28,38 +28,38 @@ pub fn net(
     Net::new(&bar, net::grid(&bar, cells), laws, ends)
 }
 
-/// Malvern's law, isotropic.
+/// Returns a net with Malvern's law and isotropic hardening.
 pub fn malvern(segments: Vec<Segment>, ends: [EndCondition; 2], k: f64, cells: usize) -> Net {
     net(segments, ends, Overstress::Malvern { k }, 0.0, cells)
 }
 
-/// Steps up to the step nearest to a time.
+/// Advances a net to the step nearest to a time.
 pub fn advance_to(net: &mut Net, time: f64) {
     while net.time() < time - 0.5 * net.grid().dt {
         net.advance();
     }
 }
 
-/// A quantity in every cell.
+/// Returns a quantity in every cell.
 pub fn profile(net: &Net, quantity: Quantity) -> Vec<f64> {
     let mut values = vec![0.0; net.grid().cells()];
     net.profile(quantity, &mut values);
     values
 }
 
-/// The account of a net from its start on.
+/// Balance of energy and momentum of a net since t = 0.
 pub struct Balance {
     start: (f64, f64),
 }
 
 impl Balance {
-    /// At t = 0.
+    /// Records the state at t = 0.
     pub fn new(net: &Net) -> Self {
         let energies = net.energies();
         Self { start: (energies.total(), energies.momentum) }
     }
 
-    /// Energy and momentum that cannot be accounted for, relative to the largest of what there is and what came in.
+    /// Returns the residuals of the energy and of the momentum balance, relative to the largest contribution.
     pub fn residuals(&self, net: &Net) -> [f64; 2] {
         let (energies, work, impulse) = (net.energies(), net.work(), net.impulse());
         let energy = energies.total() - self.start.0 - work[0] - work[1];

@@ -1,4 +1,4 @@
-//! Two result files held against each other, bit by bit.
+//! Compares two result files bit by bit.
 
 use std::path::Path;
 
@@ -7,24 +7,24 @@ use hdf5::file::FileBuilder;
 use hdf5::types::{FloatSize, TypeDescriptor, VarLenUnicode};
 use hdf5::{Container, File, Group};
 
-/// What two runs of one scene need not have in common: times, and links between datasets.
+/// Attributes that may differ between two runs of one scene: times, and links between datasets.
 const OF_THE_RUN: [&str; 6] =
     ["created", "run_id", "wall_seconds", "step_wall_seconds", "DIMENSION_LIST", "REFERENCE_LIST"];
 
-/// Opens HDF5 files without a lock, which a child that another test forks would keep.
+/// Returns a builder that opens HDF5 files without a lock, since a child process forked by another test would keep it.
 pub fn unlocked() -> FileBuilder {
     File::with_options().with_fapl(|access| access.file_locking(false)).clone()
 }
 
-/// Everything in a file: its attributes and datasets by name, numbers as their bits.
+/// Returns all attributes and datasets of a file by name, numbers as their bits.
 fn everything(path: &Path) -> Vec<(String, Vec<u8>)> {
     let file = unlocked().open(path);
     let file = file.unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     let mut all = Vec::new();
     collect(&file, &mut all);
-    // The order of links in a group is no content.
+    // The order of links in a group is not part of the content.
     all.sort();
-    // A table of numbers and texts has no reader of its own here.
+    // The table of fronts, of numbers and texts, is read by the library.
     let result = ResultFile::open(path).expect("a result");
     let fronts = result.fronts().expect("fronts");
     all.extend(fronts.iter().map(|front| ("front".to_owned(), format!("{front:?}").into_bytes())));
@@ -69,7 +69,7 @@ fn bits(values: &Container) -> Vec<u8> {
     }
 }
 
-/// Fails at the first difference.
+/// Fails at the first difference between two files.
 pub fn assert_same(a: &Path, b: &Path, what: &str) {
     let (a, b) = (everything(a), everything(b));
     for ((name, a), (other, b)) in a.iter().zip(&b) {

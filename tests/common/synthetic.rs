@@ -1,8 +1,8 @@
-//! Test records made of known curves: noise, toe, unloading, fracture, in the formats of instruments.
+//! Synthetic test records from known curves, with noise, toe, unloading and fracture.
 
 use std::fmt::Write as _;
 
-/// Numbers that are the same in every run (xorshift64*).
+/// Generator of random numbers that are the same in every run (xorshift64*).
 pub struct Random(u64);
 
 impl Random {
@@ -17,14 +17,14 @@ impl Random {
         (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Standard normal.
+    /// Returns a standard normal random number.
     pub fn normal(&mut self) -> f64 {
         let (radius, angle) = (1.0 - self.uniform(), self.uniform());
         (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * angle).cos()
     }
 }
 
-/// A curve with its modulus (Pa) and its last strain.
+/// Known curve, with its modulus (Pa) and its last strain.
 pub struct Truth {
     pub modulus: f64,
     pub end: f64,
@@ -32,12 +32,12 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Engineering stress at an engineering strain, Pa.
+    /// Returns the engineering stress at an engineering strain, Pa.
     pub fn stress(&self, strain: f64) -> f64 {
         (self.stress)(strain)
     }
 
-    /// Stress at a plastic strain of 0.2 %, Pa.
+    /// Returns the stress at a plastic strain of 0.2 %, Pa.
     pub fn proof_stress(&self) -> f64 {
         let above = |e: f64| self.stress(e) - self.modulus * (e - 0.002);
         let (mut low, mut high) = (0.002, self.end);
@@ -48,9 +48,9 @@ impl Truth {
         self.stress(low)
     }
 
-    /// The integral of the wave speed up to the largest stress, m/s, for a concave curve.
+    /// Returns the integral of the wave speed over strain up to the largest stress, m/s, which is the critical velocity for a concave curve.
     pub fn critical_velocity(&self, density: f64) -> f64 {
-        // Strains as a cubic row: the curve bends most at its start.
+        // Strains in cubic progression, since the curvature is largest at the start.
         let points: Vec<(f64, f64)> =
             (0..=200_000).map(|i| self.end * (f64::from(i) / 200_000.0).powi(3)).map(|e| (e, self.stress(e))).collect();
         let top = (0..points.len()).max_by(|a, b| points[*a].1.total_cmp(&points[*b].1)).expect("points");
@@ -58,7 +58,7 @@ impl Truth {
     }
 }
 
-/// Ramberg-Osgood, less what makes the engineering stress fall after a strain of about 12 %.
+/// Ramberg-Osgood curve minus a term that makes the engineering stress decrease after a strain of about 12 %.
 pub const RAMBERG_OSGOOD: Truth = Truth { modulus: 205e9, end: 0.25, stress: ramberg_osgood };
 
 fn ramberg_osgood(strain: f64) -> f64 {
@@ -75,18 +75,18 @@ fn ramberg_osgood(strain: f64) -> f64 {
 pub const BILINEAR: Truth =
     Truth { modulus: 70e9, end: 0.1, stress: |e| if e < 0.004 { 70e9 * e } else { 280e6 + 1.2e9 * (e - 0.004) } };
 
-/// What is wrong with a record.
+/// Imperfections of a record.
 #[derive(Clone, Copy)]
 pub struct Faults {
     pub rows: u32,
-    /// Standard deviation of the stress over the stress, and over the largest stress.
+    /// Standard deviation of the stress relative to the current stress, and relative to the largest stress.
     pub relative_noise: f64,
     pub noise: f64,
     /// Standard deviation of the strain.
     pub strain_noise: f64,
     /// Strain by which the toe shifts the curve.
     pub toe: f64,
-    /// Unloads to 60 % and loads again at half of the strain.
+    /// True if the specimen is unloaded to 60 % of the stress and reloaded, at half of the rows.
     pub unloads: bool,
     pub fractures: bool,
     pub seed: u64,
@@ -103,11 +103,11 @@ pub const CLEAN: Faults = Faults {
     seed: 1,
 };
 
-/// Everything that a laboratory's record has.
+/// All imperfections of a laboratory record.
 pub const LABORATORY: Faults =
     Faults { relative_noise: 0.005, strain_noise: 3e-6, toe: 3e-4, unloads: true, fractures: true, ..CLEAN };
 
-/// (strain, stress) in the order of the test: 30 % of the rows up to a strain of 1 %, as tests are run slower up to yield.
+/// Returns (strain, stress) in the order of the test. 30 % of the rows are below a strain of 1 %, since tests run more slowly up to yield.
 pub fn record(truth: &Truth, faults: &Faults) -> Vec<(f64, f64)> {
     let slow = 0.3 * f64::from(faults.rows);
     let strain = |i: u32| {
@@ -121,7 +121,7 @@ pub fn record(truth: &Truth, faults: &Faults) -> Vec<(f64, f64)> {
     let mut rows: Vec<(f64, f64)> = (0..faults.rows).map(strain).map(|e| (e, truth.stress(e))).collect();
     let largest = rows.iter().map(|row| row.1).fold(0.0, f64::max);
     for row in &mut rows {
-        // The grips settle until a tenth of the largest stress.
+        // The grips settle until the stress reaches a tenth of its maximum.
         row.0 += faults.toe * (1.0 - (1.0 - row.1 / (0.1 * largest)).max(0.0).powi(2));
     }
     if faults.unloads {
@@ -145,7 +145,7 @@ pub fn record(truth: &Truth, faults: &Faults) -> Vec<(f64, f64)> {
     rows
 }
 
-/// As text: strain and MPa under a header.
+/// Returns the rows as CSV: strain and stress in MPa with a header.
 pub fn csv(rows: &[(f64, f64)]) -> String {
     let mut text = String::from("strain,stress_MPa\n");
     for (strain, stress) in rows {

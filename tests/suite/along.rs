@@ -1,4 +1,4 @@
-//! What acts along the bar: damping, foundation and lateral inertia, against exact standing waves, and its account.
+//! Distributed forces along the bar (damping, foundation, lateral inertia) against exact standing waves, and their energy balance.
 
 use crate::common;
 
@@ -13,9 +13,9 @@ use barwave::scene::{Effects, HardeningRule, Method, Scene};
 use barwave::solver::fd::{DistributedForces, Grid, Leapfrog, Quantity};
 
 const LENGTH: f64 = 1.0;
-/// m^2.
+/// Cross-section, m^2.
 const AREA: f64 = 0.01;
-/// Largest velocity of a standing wave, m/s: far from yielding.
+/// Largest velocity of a standing wave, m/s, far below yield.
 const SPEED: f64 = 0.1;
 
 fn c0() -> f64 {
@@ -66,15 +66,15 @@ fn piece(material: &Arc<Material>, length: f64, velocity: f64) -> Segment {
     Segment::new(length, AREA, material.clone()).with_velocity(velocity)
 }
 
-/// A bar whose cells start with the velocities of half a wave, `half_waves` of them, between fixed ends (sine) or free ones
-/// (cosine): every cell is a segment of its own.
+/// Returns a bar whose initial velocity is `half_waves` half-waves of a sine between fixed ends, or of a cosine between free ends. Every cell is
+/// a segment of its own.
 fn standing(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &DistributedForces) -> Leapfrog {
     let material = Arc::new(common::elastic_steel());
     let dx = LENGTH / cells as f64;
     let k = half_waves * PI / LENGTH;
     let segment = |i: usize| {
         let phase = k * (i as f64 + 0.5) * dx;
-        // With lateral inertia an end that stops suddenly would shake the bar: it rests from the start.
+        // With lateral inertia, an end that stops suddenly would excite vibrations, so the end cells start at rest.
         let at_fixed_end = fixed && along.lateral[0] > 0.0 && (i == 0 || i + 1 == cells);
         let shape = if fixed { phase.sin() } else { phase.cos() };
         piece(&material, dx, if at_fixed_end { 0.0 } else { SPEED * shape })
@@ -83,7 +83,7 @@ fn standing(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &Distri
     bar_of((0..cells).map(segment).collect(), [end.clone(), end], along, cells, cfl)
 }
 
-/// Amplitude of stress in the shape of a standing wave: its product with the shape of the strain.
+/// Returns the amplitude of the stress of a standing wave, by projection on the shape of its strain.
 fn amplitude(bar: &Leapfrog, half_waves: f64, fixed: bool) -> f64 {
     let stress = common::profile(bar, Quantity::Stress);
     let n = stress.len() as f64;
@@ -95,8 +95,8 @@ fn amplitude(bar: &Leapfrog, half_waves: f64, fixed: bool) -> f64 {
     stress.iter().enumerate().map(|(i, s)| s * shape(i)).sum::<f64>() * 2.0 / n
 }
 
-/// A standing wave that starts with velocities alone: mass m, damping c and stiffness s of its shape, in
-/// m q'' + c q' + s q = 0 with q(0) = 0, q'(0) = `SPEED`; the strain's amplitude is k q.
+/// Standing wave with initial velocities and no initial strain: the modal mass m, damping c and stiffness s in m q'' + c q' + s q = 0 with q(0) = 0
+/// and q'(0) = `SPEED`. The amplitude of the strain is k q.
 struct Mode {
     mass: f64,
     damping: f64,
@@ -120,7 +120,7 @@ impl Mode {
     }
 }
 
-/// Largest error of the stress amplitude over `periods` elastic periods, over E k SPEED/omega.
+/// Returns the largest error of the stress amplitude over two elastic periods, relative to E k SPEED/omega.
 fn mode_error(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &DistributedForces) -> f64 {
     let mut bar = standing(half_waves, fixed, cells, cfl, along);
     let mode = Mode::of(half_waves, along);
@@ -135,7 +135,7 @@ fn mode_error(half_waves: f64, fixed: bool, cells: usize, cfl: f64, along: &Dist
     worst / (common::DENSITY * c0() * SPEED)
 }
 
-/// Errors with 20, 40 and 80 cells must fall at least as fast as cells^-1.9, and end below `bound`.
+/// Checks that the errors with 20, 40 and 80 cells decrease at least as cells^-1.9, and that the last one is below `bound`.
 fn assert_second_order(what: &str, half_waves: f64, fixed: bool, along: &DistributedForces, bound: f64) {
     for cfl in [1.0, 0.6] {
         let errors = [20, 40, 80].map(|cells| mode_error(half_waves, fixed, cells, cfl, along));
@@ -148,17 +148,17 @@ fn assert_second_order(what: &str, half_waves: f64, fixed: bool, along: &Distrib
     }
 }
 
-/// Damping that leaves about a fifth of the amplitude after the two periods looked at.
+/// The damping reduces the amplitude to about a fifth in the two periods that are simulated.
 #[test]
 fn internal_damping_is_exact_to_second_order() {
-    // Decay c1 k^2/(2 rho) over 4 L/c0.
+    // The amplitude decays with the rate c1 k^2/(2 rho), over the time 4 L/c0.
     assert_second_order("internal", 1.0, true, &internal(2.5e6), 1e-3);
     assert_second_order("internal, free ends", 2.0, false, &internal(1e6), 5e-3);
 }
 
 #[test]
 fn external_damping_is_exact_to_second_order() {
-    // c2/(2 rho A) = 2000 1/s against a period of 0.4 ms.
+    // The decay rate c2/(2 rho A) is 2000 1/s, the period 0.4 ms.
     assert_second_order("external", 1.0, true, &external(3e5), 1e-3);
     assert_second_order("external, free ends", 1.0, false, &external(3e5), 1e-3);
 }
@@ -186,7 +186,7 @@ fn all_together_are_of_second_order() {
     assert_second_order("all, free ends", 1.0, false, &along, 1e-3);
 }
 
-/// Phase speed `c0/sqrt(1 + nu^2 r_p^2 k^2)` of the Love rod, from the period of a standing wave, to 1e-3.
+/// The phase velocity of a Love rod, `c0/sqrt(1 + nu^2 r_p^2 k^2)`, is that of the period of a standing wave to 1e-3.
 #[test]
 fn the_love_rod_has_its_phase_speed() {
     // A round steel bar of 40 mm and 1 m: r_p = 14.1 mm, nu = 0.29.
@@ -196,7 +196,7 @@ fn the_love_rod_has_its_phase_speed() {
         let mut bar = standing(half_waves, true, cells, 1.0, &lateral(square));
         let k = half_waves * PI / LENGTH;
         let expected = c0() / (1.0 + square * k * k).sqrt();
-        // Zeros of the amplitude, half a period apart.
+        // Zeros of the amplitude are half a period apart.
         let (mut zeros, mut before) = (Vec::new(), 0.0);
         while zeros.len() < 3 {
             bar.advance();
@@ -213,8 +213,8 @@ fn the_love_rod_has_its_phase_speed() {
     }
 }
 
-/// With lateral inertia the face under a stress p is a mass on a spring: the whole force of the bar there is that of p, so that
-/// rho (nu r)^2 d^2(strain)/dt^2 = p - stress, whatever the bar does elsewhere. Its plastic strain, in bilinear steel.
+/// Returns the plastic strain of the face, in bilinear steel. With lateral inertia, the face under a stress p acts as a mass on a spring: the total
+/// force of the bar there is that of p, so that rho (nu r)^2 d^2(strain)/dt^2 = p - stress, independent of the rest of the bar.
 fn plastic_strain_of_the_face(square: f64, pressure: impl Fn(f64) -> f64, until: f64) -> f64 {
     let (steps, tangent) = (200_000, 20e9);
     let (hardening, dt) = (common::MODULUS * tangent / (common::MODULUS - tangent), until / f64::from(steps));
@@ -229,8 +229,8 @@ fn plastic_strain_of_the_face(square: f64, pressure: impl Fn(f64) -> f64, until:
     plastic
 }
 
-/// The first cells flow as the face does, the more so the smaller they are: the grid filter took a part of their sideways motion in every step,
-/// so that the first one flowed by less and less, and its neighbours by more.
+/// The plastic strain of the first cells converges to that of the face. The grid filter must not remove momentum of their lateral motion in every
+/// step: otherwise the plastic strain of the first cell decreases with the cell size, and that of its neighbours increases.
 #[test]
 fn cells_at_a_loaded_end_flow_as_its_face_does_with_lateral_inertia() {
     let (square, top) = (0.01 * 0.01, 400e6);
@@ -238,7 +238,7 @@ fn cells_at_a_loaded_end_flow_as_its_face_does_with_lateral_inertia() {
     let sudden = |_: f64| top;
     let pulse = |t: f64| top * (1.0 - (t / rise - 1.0).abs()).max(0.0);
     let exact = [plastic_strain_of_the_face(square, sudden, until), plastic_strain_of_the_face(square, pulse, until)];
-    // A sudden stress strains the face until its work is that of the curve: 0.001 Y/2 + Y e + Et e^2/2 = p (0.001 + e).
+    // A sudden stress strains the face until its work equals that of the curve: 0.001 Y/2 + Y e + Et e^2/2 = p (0.001 + e).
     let above: f64 = top - common::YIELD;
     let e = (above + (above.powi(2) + 2.0 * 20e9 * 0.001 * (top - 0.5 * common::YIELD)).sqrt()) / 20e9;
     assert!((exact[0] / (0.9 * e) - 1.0).abs() < 1e-3, "{} for {}", exact[0], 0.9 * e);
@@ -277,13 +277,13 @@ fn zero_coefficients_are_the_plain_scheme_bit_for_bit() {
     assert_eq!(plain.state_bytes(), zero.state_bytes());
 }
 
-/// With next to no damping the other way to step nodes gives the plain bar: plastic waves, ripple damping and all.
+/// With negligible damping, the update of nodes with distributed forces reproduces the bar without them, including plastic waves and grid filter.
 #[test]
 fn a_tiny_damping_is_the_plain_plastic_bar() {
     let segments = || vec![common::segment(common::bilinear_steel(), 1.0)];
     let ends = || [common::moved(20.0), EndCondition::Free];
-    // Before the first reflection; after two the plain bar itself changes by 1e-3 in this measure when its Courant number
-    // changes by 1e-12, because cells on their yield stress flow or do not.
+    // Up to the first reflection. After two transits, the bar without damping itself changes by 1e-3 in this norm if its Courant number changes by
+    // 1e-12, because cells at their yield stress either flow or do not.
     for (steps, bounds) in [(800, [2e-2, 2e-3, 1e-5]), (2500, [2e-2, 3e-3, 2e-3])] {
         let mut plain = common::leapfrog(segments(), ends(), Some(HardeningRule::Isotropic), 1000, 1.0);
         common::advance(&mut plain, steps);
@@ -340,7 +340,7 @@ fn strengths() -> Vec<DistributedForces> {
     laws.into_iter().chain([1.0, 1e3, 1e9].map(all)).collect()
 }
 
-/// Energy and momentum balance to rounding with every end, in elastic and plastic bars of two materials and areas.
+/// The balances of energy and momentum close to rounding with every kind of end, in elastic and plastic bars of two materials and areas.
 #[test]
 fn the_ledger_closes_with_every_end() {
     let ends = common::busy_ends(AREA);
@@ -362,7 +362,7 @@ fn the_ledger_closes_with_every_end() {
     }
 }
 
-/// However strong, damping only takes energy and nothing grows.
+/// Damping of any strength only dissipates energy, and the solution remains bounded.
 #[test]
 fn huge_coefficients_are_stable() {
     let strong =
@@ -373,9 +373,9 @@ fn huge_coefficients_are_stable() {
             let start = bar.initial().kinetic;
             common::advance(&mut bar, 20 * cells);
             let (now, what) = (bar.energies(), format!("{along:?}, {cells} cells"));
-            // Nothing but the start's energy is ever in the bar.
+            // The energy of the bar never exceeds the initial energy.
             assert!(now.total().is_finite() && now.elastic <= start, "{what}: {} of {start}", now.elastic);
-            // The largest impulses are 1e4 and more times those that move a cell, and rounding with them.
+            // The largest impulses are at least 1e4 times those that move a cell, and so is their rounding.
             let rounding =
                 if along.internal.max(along.external) > 1e11 || along.lateral[0] > 1e3 { 1e-2 } else { 1e-9 };
             let missing = now.total() / start - 1.0;
@@ -384,7 +384,7 @@ fn huge_coefficients_are_stable() {
     }
 }
 
-/// A foundation that lets nothing move.
+/// A very stiff foundation prevents all motion.
 #[test]
 fn a_huge_foundation_is_stable() {
     for stiffness in [1e12, 1e16, 1e20] {
@@ -397,14 +397,14 @@ fn a_huge_foundation_is_stable() {
         }
         // Rounding of forces that are up to 1e9 times those that move a cell.
         assert!(ledger.worst_energy() < 1e-8 && ledger.worst_momentum() < 1e-8, "{stiffness}");
-        // The end's force of 1 MN on the half cell next to it, at most twice as far as at rest.
+        // The force of 1 MN at the end deflects the half cell next to it, by at most twice the static deflection.
         let expected = -1e6 / (stiffness * 0.5 * bar.grid().segments[0].dx);
         let place = bar.left().displacement().abs();
         assert!(place <= 2.0 * expected.abs() * (1.0 + 1e-9), "{stiffness}: {place} of {expected}");
     }
 }
 
-/// A bar that flies freely is slowed down by external damping alone, exactly, however strong that is.
+/// A bar in free flight is decelerated by external damping alone, exactly and for damping of any strength.
 #[test]
 fn drag_slows_a_flying_bar_exactly() {
     let material = Arc::new(common::elastic_steel());
@@ -415,19 +415,19 @@ fn drag_slows_a_flying_bar_exactly() {
         let half_a_step_on = bar.time() + 0.5 * bar.grid().dt;
         let expected = 3.0 * (-drag / (common::DENSITY * AREA) * half_a_step_on).exp();
         let velocity = bar.left().velocity_after();
-        // Rounding of 40 steps; that of the first ones, at 3 m/s, leaves a stress that shows once the bar has all but stopped.
+        // Rounding of 40 steps. That of the first ones, at 3 m/s, leaves a stress that is visible once the bar has almost stopped.
         let rounding = 1e-12 * expected.max(1e-6);
         assert!((velocity - expected).abs() < rounding, "{drag}: {velocity} for {expected}");
     }
 }
 
-/// Two cells and a rigid link between its ends: each end acts on the other at once.
+/// Two cells that form a rigid link between the ends, so that each end acts on the other without delay.
 #[test]
 fn short_stiff_bars_move_as_one() {
     let material = Arc::new(common::elastic_steel());
     let segments = vec![piece(&material, 0.01, 0.0)];
     let ends = [common::loaded_by(&[(0.0, -1e6)]), EndCondition::Spring { stiffness: 1e7 }];
-    // Love's inertia and internal damping so strong that nothing is strained.
+    // Lateral inertia and internal damping are so large that no cell is strained.
     let along = DistributedForces { internal: 1e8, ..lateral(0.01) };
     let mut bar = bar_of(segments, ends, &along, 2, 1.0);
     let mut ledger = Ledger::new(&bar);
@@ -437,14 +437,14 @@ fn short_stiff_bars_move_as_one() {
         bar.advance();
         ledger.row(&bar);
     }
-    // A rigid mass on a spring, suddenly pushed by 1e4 N.
+    // A rigid mass on a spring under a sudden force of 1e4 N.
     let expected = 1e4 / 1e7 * (1.0 - (omega * bar.time()).cos());
     let (left, right) = (bar.left().displacement(), bar.right().displacement());
     assert!((left / expected - 1.0).abs() < 1e-3 && (right / expected - 1.0).abs() < 1e-3, "{left} {right} {expected}");
     common::assert_ledger(&ledger, "rigid");
 }
 
-/// A scene with `rate` and damping takes the grid by itself, and its account closes.
+/// A scene with `rate` and damping uses the grid by default, and its energy balance closes.
 #[test]
 fn rate_laws_go_with_damping_on_the_grid() {
     let text = "[bar]\nlength = 1\ndiameter = \"30 mm\"\n[bar.material]\nname = \"steel\"\ndensity = 7800\nmodulus = 200e9\n\

@@ -1,9 +1,8 @@
-//! Scenes with a hidden need: `effects = "auto"` finds the effects that each of them calls for.
+//! Scenes that need certain effects, and the choice of `effects = "auto"` for them.
 //!
-//! What is right is found by force: each scene is simulated with what auto chose, and again with every single effect
-//! turned off or on. The change of the stress, measured as the audit does (the largest L1 over the bar at any time, over
-//! the largest L1 of the stress), must be above the tolerance for every effect that is on and below it for every one that
-//! is off.
+//! The correct choice is found by brute force: each scene is simulated with the chosen effects, and again with every single effect switched. The
+//! change of the stress, measured as in the audit (largest L1 norm over the bar at any time, relative to the largest L1 norm of the stress), must
+//! be above the tolerance for every effect that is on, and below it for every effect that is off.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -14,7 +13,7 @@ use barwave::run::{self};
 use barwave::scene::Scene;
 use barwave::solver::fd::Quantity;
 
-/// Effects that auto can choose, as they are written.
+/// Effects that `auto` can choose, as written in a scene.
 const WRITTEN: [(&str, &str); 5] = [
     ("hardening", "\"isotropic\""),
     ("rate", "\"material\""),
@@ -23,10 +22,10 @@ const WRITTEN: [(&str, &str); 5] = [
     ("lateral-inertia", "true"),
 ];
 
-/// Moments at which answers are compared.
+/// Number of times at which stresses are compared.
 const MOMENTS: usize = 100;
 
-/// Cells of the runs that are compared.
+/// Number of cells of the runs that are compared.
 const CELLS: usize = 400;
 
 fn read(name: &str, overrides: &[String]) -> barwave::error::Result<Scene> {
@@ -34,7 +33,7 @@ fn read(name: &str, overrides: &[String]) -> barwave::error::Result<Scene> {
     Scene::read(&file, overrides)
 }
 
-/// The stress of every cell at every moment, on the grid, with these effects; none where they cannot be simulated.
+/// Returns the stress of every cell at every time, on the grid with these effects, or `None` if they cannot be simulated.
 fn answer(name: &str, effects: &[&str]) -> Option<Vec<Vec<f64>>> {
     let written: Vec<String> = WRITTEN
         .iter()
@@ -65,12 +64,12 @@ fn change(one: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
     largest(&|t, k| (one[t][k] - other[t][k]).abs()) / size
 }
 
-/// Runs a scene with auto, holds its choice against force, and returns it.
+/// Runs a scene with `auto` and compares its choice with the brute-force one and with `expected`.
 fn check(name: &str, expected: &[&str]) {
     let scene = read(name, &[]).expect("a scene");
     let summary = run::run(&scene, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     let choices: Vec<AutoChoice> = summary.auto.clone().expect("auto");
-    // An effect that comes with another is on, too.
+    // An effect that another one requires is on, too.
     let on: Vec<&str> = WRITTEN
         .iter()
         .map(|(key, _)| *key)
@@ -82,7 +81,7 @@ fn check(name: &str, expected: &[&str]) {
     for (key, _) in WRITTEN {
         let others: Vec<&str> = on.iter().copied().filter(|k| *k != key).collect();
         let is_on = on.contains(&key);
-        // Rate and heat need unloading; without it they are other runs.
+        // Rate and heat require hardening; a run without it is a different problem.
         if key == "hardening" && others.iter().any(|k| ["rate", "heat"].contains(k)) {
             continue;
         }
@@ -107,7 +106,7 @@ fn check(name: &str, expected: &[&str]) {
     assert_eq!(on, expected, "{name}: {choices:?}");
 }
 
-/// Choices of a scene under overrides, and the method that it came to.
+/// Returns the choices for a scene with overrides, and the method that was used.
 fn choices(name: &str, overrides: &[&str]) -> (Vec<AutoChoice>, [String; 2]) {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     let scene = read(name, &overrides).expect("a scene");
@@ -117,7 +116,7 @@ fn choices(name: &str, overrides: &[&str]) -> (Vec<AutoChoice>, [String; 2]) {
 
 #[test]
 fn of_effects_that_do_not_go_together_the_larger_is_simulated() {
-    // Rupture of a bar with lateral inertia is not followed.
+    // Rupture of a bar with lateral inertia cannot be simulated.
     let (all, _) = choices("rupture", &["bar.diameter=40 mm", "bar.material.poisson=0.3"]);
     let of = |effect: &str| all.iter().find(|c| c.effect == effect).unwrap_or_else(|| panic!("{effect}: {all:?}"));
     let (rupture, lateral) = (of("rupture"), of("lateral-inertia"));
@@ -133,7 +132,7 @@ fn what_the_estimate_missed_the_audit_of_the_run_adds() {
     assert!(unloading.estimate > 0.01, "{unloading:?}");
 }
 
-/// Scenes that record plastic strains were refused, with the advice to choose the effect by hand.
+/// A scene that records plastic strains turns the effect on; it is not refused with the advice to name the effect.
 #[test]
 fn a_field_that_is_recorded_turns_its_effect_on() {
     let record = "record.fields=[\"stress\", \"plastic_strain\"]";
@@ -142,7 +141,7 @@ fn a_field_that_is_recorded_turns_its_effect_on() {
     assert!(first.effect == "hardening" && first.on && first.round == 0, "{all:?}");
     assert_eq!(first.why, "`plastic_strain` is recorded");
     assert!(all.iter().any(|choice| choice.effect == "lateral-inertia" && choice.on), "{all:?}");
-    // What the material lacks is told as for a scene that names the effect.
+    // Missing material data are reported as for a scene that names the effect.
     let scene = read("released", &["record.fields=[\"temperature\"]".to_owned()]).expect("a scene");
     let refusal = run::choose(&scene, &mut |_| ControlFlow::Continue(())).expect_err("no constants of heat");
     assert!(refusal.to_string().contains("heat"), "{refusal}");
@@ -153,11 +152,11 @@ fn a_method_that_the_scene_names_stays() {
     let moc = ["solve.method=moc", "solve.cells=", "solve.front-tolerance=0.01"];
     let (released, method) = choices("released", &moc);
     assert_eq!((released.len(), method), (1, ["moc".to_owned(), "front-tracking".to_owned()]), "{released:?}");
-    // The net of a rate-dependent bar has no front tolerance.
+    // The characteristic net of a rate-dependent bar has no front tolerance.
     let (rate, method) = choices("rate", &moc);
     assert!(rate.iter().any(|c| c.effect == "rate" && c.on), "{rate:?}");
     assert_eq!(method, ["moc", "characteristic-net"]);
-    // Lateral inertia is the grid's alone.
+    // Lateral inertia requires the grid.
     let (lateral, method) = choices("lateral", &["solve.method=moc", "solve.cells="]);
     assert!(lateral.iter().any(|c| c.effect == "lateral-inertia" && !c.on), "{lateral:?}");
     assert_eq!(method, ["moc", "front-tracking"]);
@@ -172,7 +171,7 @@ fn a_scene_with_its_choice_written_out_is_the_same_run() {
     let resolved = chosen.resolved_json();
     assert_eq!(resolved["effects"], written.resolved_json()["effects"]);
     assert_eq!(resolved["auto"][0]["effect"], "rate");
-    // A scene that names its effects is left alone.
+    // The effects of a scene that names them are not changed.
     assert!(run::choose(&written, &mut |_| ControlFlow::Continue(())).expect("a choice").auto.is_none());
 }
 

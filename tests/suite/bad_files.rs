@@ -1,4 +1,4 @@
-//! Files that are no scenes, tables or results, through the real binary: bounded time, and one clear error.
+//! Files that are no valid scenes, tables or results, through the real binary: each ends in bounded time with one clear error.
 #![cfg(unix)]
 
 use crate::common::binary;
@@ -13,14 +13,14 @@ const SCENE: &str = "[bar]\nlength = 1\nmaterial = MATERIAL\n[left]\nkind = \"ve
                      [solve]\nuntil = \"50 us\"\ncells = 100\n";
 const CURVE: &str = "{ density = 7800, modulus = 2e11, beyond = \"extend\", curve = { csv = \"FILE\" } }";
 
-/// A scene whose curve, or whose end's history, is in this file.
+/// Returns a scene that reads its curve, or the history of an end, from this file.
 fn scene(of_curve: bool, file: &str) -> String {
     let (material, drive) = if of_curve {
         (CURVE.replace("FILE", file), "value = -1".to_owned())
     } else {
         ("\"mild-steel\"".to_owned(), format!("csv = \"{file}\""))
     };
-    // The rows of a curve are no velocities, but can be stresses.
+    // The rows of a curve are not velocities, but can be stresses.
     let kind = if of_curve { "velocity" } else { "stress" };
     SCENE.replace("MATERIAL", &material).replace("DRIVE", &drive).replace("velocity", kind)
 }
@@ -29,7 +29,7 @@ fn message(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Exit code 2 within some seconds, one error with a help line, and the words.
+/// Checks that the program exits with code 2 within some seconds, with one error that has help and contains the words.
 fn assert_refused(folder: &Path, arguments: &[&str], words: &[&str]) {
     let started = Instant::now();
     let limited = "ulimit -v 4000000; exec \"$@\"";
@@ -95,7 +95,7 @@ fn tables_of_spreadsheets_and_instruments_are_read_or_refused_with_the_cause() {
     ];
     for of_curve in [true, false] {
         for bytes in right {
-            // A history has a time in its first column, and says so where it has a heading.
+            // The first column of a history is time; its heading says so.
             let heading = if of_curve { "strain" } else { "time" };
             let text = String::from_utf8_lossy(bytes).replace("strain", heading);
             write(of_curve, text.as_bytes());
@@ -169,13 +169,13 @@ fn what_would_take_too_much_is_refused_with_its_size() {
     let output = Command::new("bash").args(environment).current_dir(folder.path()).output().expect("bash");
     assert!(output.status.code() == Some(2) && message(&output).contains("RAYON_NUM_THREADS"), "{}", message(&output));
     assert!(!folder.path().join("a.h5").exists());
-    // A million cells are merely many.
+    // A million cells are allowed.
     let million = ["run", "s.toml", "--quiet", "-o", "a.h5", "--set", "solve.cells=1e6", "--set", "solve.until=1e-9"];
     let output = barwave(folder.path(), &[&million[..], &["--set", "record.frames=2"]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", message(&output));
 }
 
-/// What the reader of TOML calls things is not what users call them.
+/// Messages use the terms of users, not those of the TOML parser.
 #[test]
 fn the_words_of_the_parser_reach_nobody() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -213,7 +213,7 @@ fn the_words_of_the_parser_reach_nobody() {
     }
 }
 
-/// A small result in a folder of its own, and its path.
+/// Returns a small result in a folder of its own, and its path.
 fn result() -> (tempfile::TempDir, std::path::PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let text = SCENE.replace("MATERIAL", "\"mild-steel\"").replace("DRIVE", "value = -1");
@@ -239,7 +239,7 @@ fn results_that_were_cut_off_are_not_called_locked() {
     }
 }
 
-/// Every dataset in turn is gone, or has another shape, up to ones that no memory holds.
+/// Every dataset in turn is missing, or has another shape, including shapes too large for any memory.
 #[test]
 fn damaged_results_are_one_error_and_no_allocation() {
     let (folder, path) = result();
@@ -260,7 +260,7 @@ fn damaged_results_are_one_error_and_no_allocation() {
         "material/mild-steel/strain",
     ] {
         for shape in shapes {
-            // A new file: a program that another test starts meanwhile inherits the old one, and with it the lock.
+            // A new file, since a program started by another test at the same time inherits the old one with its lock.
             std::fs::remove_file(&path).expect("a result");
             std::fs::write(&path, &whole).expect("written");
             reshape(&path, name, shape);
@@ -287,12 +287,12 @@ fn damaged_results_are_one_error_and_no_allocation() {
             }
         }
     }
-    // What a report does not draw need not be right.
+    // Datasets that a report does not use may be invalid.
     assert!(refused > 60, "{refused}");
 }
 
-/// The HDF5 library asks for as much memory as a text is said to have bytes, before it looks for the text: a length that is damaged ends in one
-/// error, whether the memory is there or not.
+/// The HDF5 library allocates as many bytes as the stated length of a text before it looks for the text. A damaged length causes one error, whether
+/// or not the memory is available.
 #[test]
 fn a_damaged_length_of_a_text_is_one_error() {
     let (folder, path) = result();
@@ -314,14 +314,14 @@ fn a_damaged_length_of_a_text_is_one_error() {
     }
 }
 
-/// The HDF5 library went round for ever in a heap of texts whose free space has the size 0.
+/// A heap of texts with a free-space size of 0, in which the HDF5 library would loop without end, causes one error.
 #[test]
 fn a_heap_without_an_end_is_one_error() {
     let (folder, path) = result();
     let mut bytes = std::fs::read(&path).expect("a result");
     let number =
         |bytes: &[u8], at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes")) as usize;
-    // The free space of the first heap that has some.
+    // Free space of the first heap that has any.
     let heaps = (0..bytes.len() - 8).filter(|&at| bytes[at..at + 8] == *b"GCOL\x01\0\0\0");
     let free = heaps.filter_map(|heap| {
         let (mut at, end) = (heap + 16, heap + number(&bytes, heap + 8));
@@ -337,7 +337,7 @@ fn a_heap_without_an_end_is_one_error() {
     assert!(text.contains("a list of texts in it has no end") && text.matches("error: ").count() == 1, "{text}");
 }
 
-/// Puts a dataset of numbers in the place of another, or nothing.
+/// Replaces a dataset by one of numbers with this shape, or removes it.
 fn reshape(path: &Path, name: &str, shape: Option<&[usize]>) {
     let file = hdf5::File::open_rw(path).expect("a result");
     file.unlink(name).expect("it was there");

@@ -1,5 +1,5 @@
-//! The whole message of every kind of wrong input, as users read it. `BARWAVE_REWRITE=1 cargo test --test suite bad_inputs::` writes
-//! `tests/bad_inputs/*.txt` anew; read the difference before you keep it.
+//! The complete message of every kind of invalid input, as users see it. `BARWAVE_REWRITE=1 cargo test --test suite bad_inputs::` rewrites
+//! `tests/bad_inputs/*.txt`; check the difference before committing it.
 
 use crate::common::binary;
 
@@ -12,7 +12,7 @@ const SCENE: &str = "[bar]\nlength = \"1 m\"\narea = \"1 cm^2\"\nmaterial = \"mi
                      value = \"-3 m/s\"\n\n[right]\nkind = \"free\"\n\n[effects]\nhardening = \"isotropic\"\n\n[solve]\nuntil = \"20 us\"\n\
                      cells = 100\n\n[record]\nframes = 5\ngauges = { middle = \"0.5 m\" }\n";
 
-/// What is replaced in the scene, and by what.
+/// Text of the scene that is replaced, and its replacement.
 const SCENES: &[(&str, &str)] = &[
     ("[bar]", "[baar]"),
     ("length = \"1 m\"\n", ""),
@@ -57,7 +57,7 @@ const SCENES: &[(&str, &str)] = &[
     ("{ middle = \"0.5 m\" }", "7"),
 ];
 
-/// The same in a material file.
+/// Text of the material file that is replaced, and its replacement.
 const MATERIALS: &[(&str, &str)] = &[
     ("density = 7800\n", ""),
     ("7800", "\"7800 GPa\""),
@@ -77,7 +77,7 @@ const MATERIALS: &[(&str, &str)] = &[
     ("[curve]", "[curve]\n[curve]"),
 ];
 
-/// Whole tables of strain and stress.
+/// Complete tables of strain and stress.
 const TABLES: &[&str] = &[
     "",
     "strain,stress\n",
@@ -93,7 +93,7 @@ const TABLES: &[&str] = &[
     "0.001,nan\n",
 ];
 
-/// What is replaced in scenes of impacts in `runs/`, and by what.
+/// Texts of impact scenes in `runs/` that are replaced, and their replacements.
 const IMPACTS: &[(&str, &[(&str, &str)])] = &[
     (
         "spheres-restitution.toml",
@@ -193,7 +193,7 @@ const ARGUMENTS: &[&[&str]] = &[
     &["new", "s"],
 ];
 
-/// The message of a command, under a line that says what was wrong.
+/// Returns the message of a command, below a line that states what is wrong in the input.
 fn message(folder: &Path, what: &str, arguments: &[&str]) -> String {
     let output = barwave(folder, arguments);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -203,7 +203,7 @@ fn message(folder: &Path, what: &str, arguments: &[&str]) -> String {
     format!("{quoted}{text}\n")
 }
 
-/// Compares messages with those that are kept, or keeps them.
+/// Compares messages with the stored ones, or stores them.
 fn assert_kept(name: &str, messages: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad_inputs").join(name);
     if std::env::var_os("BARWAVE_REWRITE").is_some() {

@@ -1,4 +1,4 @@
-//! A ball with Hertz's contact on an end of the bar.
+//! A ball with Hertzian contact at an end of the bar.
 
 use crate::common;
 use crate::common::{binary, net};
@@ -12,13 +12,13 @@ use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::wave::riemann::Flow;
 use common::{DENSITY, MODULUS};
 
-/// m^2.
+/// Cross-section, m^2.
 const AREA: f64 = 1e-4;
 
-/// A steel ball of 10 mm, kg.
+/// Mass of a steel ball of 10 mm diameter, kg.
 const MASS: f64 = 4.0 / 3.0 * std::f64::consts::PI * 1.25e-7 * DENSITY;
 
-/// On steel.
+/// Returns the contact of the ball with a steel bar.
 fn contact() -> Hertz {
     Hertz::new(0.005, [(MODULUS, 0.3), (MODULUS, 0.3)])
 }
@@ -27,13 +27,13 @@ fn ball(velocity: f64) -> EndCondition {
     EndCondition::Ball { mass: MASS, velocity, contact: contact() }
 }
 
-/// An elastic bar with the ball at its left end.
+/// Returns an elastic bar with the ball at its left end.
 fn struck(velocity: f64, far: EndCondition, length: f64, cells: usize, cfl: f64) -> Leapfrog {
     let segment = Segment::new(length, AREA, common::elastic_steel());
     common::leapfrog(vec![segment], [ball(velocity), far], None, cells, cfl)
 }
 
-/// Contact time (s), impulse (N s), largest force (N) and velocity after it (m/s) of an impact.
+/// Contact time (s), impulse (N s), largest force (N), and velocity after the impact (m/s).
 #[derive(Debug, Clone, Copy)]
 struct Impact {
     time: f64,
@@ -42,11 +42,11 @@ struct Impact {
     velocity: f64,
 }
 
-/// The ball against an end that moves with F/z (z in kg/s), from its ordinary differential equation:
-/// a' = v - F(a)/z, v' = -F(a)/m. Classical Runge-Kutta in steps of a 2e5th of the contact.
+/// Integrates the impact of a ball on an end that moves with the velocity F/z (z in kg/s), a' = v - F(a)/z and v' = -F(a)/m, with the classical
+/// Runge-Kutta method in steps of 1/200000 of the contact time.
 fn alone(velocity: f64, z: f64) -> Impact {
     let hertz = contact();
-    // The approach and the ball's velocity.
+    // State: approach, and velocity of the ball.
     let rates = |[a, v]: [f64; 2]| [v - hertz.force(a) / z, -hertz.force(a) / MASS];
     let dt = hertz.contact_time(MASS, velocity) / 2e5;
     let (mut state, mut time, mut force) = ([0.0, velocity], 0.0, 0.0_f64);
@@ -58,7 +58,7 @@ fn alone(velocity: f64, z: f64) -> Impact {
         let r4 = rates(shifted(r3, dt));
         let next: [f64; 2] = std::array::from_fn(|i| state[i] + dt / 6.0 * (r1[i] + 2.0 * (r2[i] + r3[i]) + r4[i]));
         if next[0] <= 0.0 {
-            // There is hardly a force any more: what is left of the step is run through at an even pace.
+            // The force is almost zero; the end of the contact is interpolated linearly within the step.
             let left = state[0] / (state[0] - next[0]);
             let impulse = MASS * (velocity - state[1]);
             return Impact { time: time + left * dt, impulse, force, velocity: state[1] };
@@ -68,7 +68,7 @@ fn alone(velocity: f64, z: f64) -> Impact {
     }
 }
 
-/// The same from a bar, up to when the ball has left it.
+/// Simulates a bar until the ball has left it.
 fn on(bar: &mut Leapfrog) -> Impact {
     let dt = bar.grid().dt;
     let (mut force, mut earlier) = (0.0_f64, 0.0);
@@ -86,7 +86,7 @@ fn on(bar: &mut Leapfrog) -> Impact {
     }
 }
 
-/// Relative distance of two impacts, largest of all four measures.
+/// Returns the largest relative difference of two impacts in any of the four quantities.
 fn apart(a: Impact, b: Impact) -> f64 {
     let rel = |x: f64, y: f64| (x / y - 1.0).abs();
     let velocity = (a.velocity - b.velocity).abs() * MASS / b.impulse;
@@ -97,7 +97,7 @@ fn apart(a: Impact, b: Impact) -> f64 {
 fn a_fixed_end_gives_the_contact_of_hertz() {
     let velocity = 3.0;
     let (hertz, time) = (contact(), contact().contact_time(MASS, velocity));
-    // One cell behind a bar so stiff and heavy that it moves by a millionth of the approach.
+    // One cell before a bar so stiff and heavy that it moves by a millionth of the approach.
     let missed = |steps: f64| {
         let line = barwave::material::Curve::new(&[(0.01, 1e18)], barwave::material::Beyond::Extend).expect("a line");
         let heavy = Material { density: 1e8, modulus: 1e20, tension: line, ..common::elastic_steel() };
@@ -110,7 +110,7 @@ fn a_fixed_end_gives_the_contact_of_hertz() {
         apart(found, exact)
     };
     let [coarse, fine] = [100.0, 400.0].map(missed);
-    // Of the contact time, the impulse, the largest force and the velocity of rebound; second order.
+    // Errors of contact time, impulse, largest force and rebound velocity; second order.
     assert!(fine < 1e-6 && coarse < 1e-4, "{fine:e}");
     assert!((coarse / fine).log2() / 2.0 > 1.9, "{coarse:e} {fine:e}");
 }
@@ -126,7 +126,7 @@ fn a_long_elastic_bar_gives_the_impact_of_the_equation() {
                 apart(found, exact)
             };
             let [coarse, fine] = [250, 1000].map(missed);
-            // The contact takes 60 to 110 steps of the coarse grid; second order.
+            // The contact lasts 60 to 110 steps of the coarse grid; second order.
             assert!(coarse < 2e-3 && fine < 1e-4, "{velocity} {cfl}: {coarse:e} {fine:e}");
             assert!((coarse / fine).log2() / 2.0 > 1.9, "{velocity} {cfl}: {coarse:e} {fine:e}");
         }
@@ -135,7 +135,7 @@ fn a_long_elastic_bar_gives_the_impact_of_the_equation() {
 
 #[test]
 fn a_ball_never_pulls_and_strikes_again() {
-    // Heavier than the bar, which it throws at a wall and which comes back.
+    // The ball is heavier than the bar, which it throws against a wall and which rebounds.
     let heavy = EndCondition::Ball { mass: 0.5, velocity: 2.0, contact: contact() };
     let segment = Segment::new(0.2, AREA, common::elastic_steel());
     let wall = EndCondition::Wall { gap: 1e-4 };
@@ -184,12 +184,12 @@ fn a_ball_makes_the_end_of_a_thin_bar_yield() {
     let (impulse, plastic) = run(common::bilinear_steel());
     assert_eq!(none, 0.0);
     assert!(plastic > 1e-3 * 0.5 * MASS * 100.0, "{plastic:e}");
-    // The end gives way, so that the ball is thrown back less.
+    // The end yields, so that the ball rebounds more slowly.
     assert!(impulse < elastic, "{impulse:e} {elastic:e}");
 }
 
-/// Largest force (N), velocity of the ball afterwards (m/s) and largest plastic strain of a rod of 12 mm that a steel ball of 10 mm strikes at 80 m/s, in +x
-/// or in -x, by this method.
+/// Returns the largest force (N), the velocity of the ball afterwards (m/s), and the largest plastic strain, for a rod of 12 mm struck by a steel
+/// ball of 10 mm at 80 m/s in +x or in -x, with this method.
 fn on_rod(curve: &str, hardening: &str, rightwards: bool, solve: &str) -> [f64; 3] {
     let (ball, other, speed) = if rightwards { ("left", "right", 80.0) } else { ("right", "left", -80.0) };
     let steel = "density = 7800, modulus = 200e9, poisson = 0.3, beyond = \"extend\"";
@@ -207,15 +207,15 @@ fn on_rod(curve: &str, hardening: &str, rightwards: bool, solve: &str) -> [f64; 
     [end("peak_force_N"), end("striker_velocity_after_m_s"), figure("/figures/largest_plastic_strain")]
 }
 
-/// The first cells took the plastic part of a force that rises within 11 to 60 steps from rest: it was 20 % too large in 400 cells and 3 % too small in 1600,
-/// the ball 2 m/s too fast or too slow, and the first cell kept 20 to 28 % too much strain.
+/// The first cells must not take the plastic part of a force that rises within 11 to 60 steps from rest. Otherwise the force is 20 % too large with
+/// 400 cells and 3 % too small with 1600, the ball is 2 m/s too fast or too slow, and the first cell retains 20 to 28 % too much strain.
 #[test]
 fn a_bar_that_yields_gives_a_ball_the_force_of_its_curve() {
     let bilinear = "[[0.001, 200e6], [0.201, 600e6]]";
     let curved = "[[0.001, 200e6], [0.003, 260e6], [0.01, 330e6], [0.03, 410e6], [0.1, 520e6], [0.3, 650e6]]";
     for (curve, hardening) in [(bilinear, "isotropic"), (bilinear, "kinematic"), (curved, "isotropic")] {
         let exact = on_rod(curve, hardening, true, "method = \"moc\"");
-        // The first of 400 cells shows its mean, where the strain falls off within it.
+        // The first of 400 cells has the mean of a strain that decreases within it.
         for (cells, bounds) in [(400, [0.005, 0.025, 0.2]), (1600, [0.002, 0.003, 0.03])] {
             let [found, mirrored] = [true, false].map(|way| on_rod(curve, hardening, way, &format!("cells = {cells}")));
             println!("{curve} {hardening} {cells}: {found:?} {exact:?}");
@@ -229,7 +229,7 @@ fn a_bar_that_yields_gives_a_ball_the_force_of_its_curve() {
 
 #[test]
 fn a_rate_dependent_bar_takes_from_the_ball_what_it_gets() {
-    // A thin bar that flows, and one that stays elastic, against the equation.
+    // A thin bar that yields, and one that remains elastic, against the equation.
     for (material, velocity, area) in [(common::bilinear_steel(), 10.0, 9e-6), (common::elastic_steel(), 10.0, AREA)] {
         let exact = alone(velocity, area * (DENSITY * MODULUS).sqrt());
         let missed = |cells: usize| {
@@ -237,7 +237,7 @@ fn a_rate_dependent_bar_takes_from_the_ball_what_it_gets() {
             let mut bar = net::malvern(vec![segment], [ball(velocity), EndCondition::Absorbing], 1e6, cells);
             let balance = net::Balance::new(&bar);
             net::advance_to(&mut bar, 8e-5);
-            // Rounding, as for the leapfrog's ledger.
+            // Rounding, as in the balance of leapfrog.
             assert!(balance.residuals(&bar).into_iter().all(|r| r < 1e-10));
             let [work, _] = bar.work();
             let after = bar.striker_velocities()[0].expect("there");
@@ -255,7 +255,7 @@ fn a_rate_dependent_bar_takes_from_the_ball_what_it_gets() {
     }
 }
 
-/// The tracked bar, whose ball takes steps of `step` of the largest force.
+/// Returns the tracked bar, whose ball is integrated in steps of `step` times the largest force.
 fn tracked(material: Material, area: f64, ends: [EndCondition; 2], step: f64) -> FrontTracking {
     let segments = vec![Segment::new(0.5, area, material)];
     let settings = Settings { ramp_step: Some(step), front_tolerance: 0.0, ..Settings::default() };
@@ -275,12 +275,12 @@ fn a_tracked_bar_gives_the_impact_of_the_equation() {
             let force = bar.ends()[0].steps.iter().map(|s| -s.stress * AREA).fold(0.0, f64::max);
             let after = bar.striker(0).expect("there").velocity;
             let found = Impact { time: apart.time, impulse: MASS * (velocity - after), force, velocity: after };
-            // The largest force is that of a step, and off by up to one part of it.
+            // The largest force is that of a step, with an error of up to one step.
             assert!((found.force / exact.force - 1.0).abs() < step, "{velocity} {step}: {}", found.force);
             self::apart(Impact { force: exact.force, ..found }, exact)
         };
         let [coarse, fine] = [4e-3, 1e-3].map(missed);
-        // Contact time, impulse and velocity of rebound; second order in steps that are a square root where the force is largest.
+        // Contact time, impulse and rebound velocity; second order in the steps, whose length is a square root at the largest force.
         assert!(coarse < 4e-4 && fine < 5e-5, "{velocity}: {coarse:e} {fine:e}");
         assert!((coarse / fine).log2() / 2.0 > 1.4, "{velocity}: {coarse:e} {fine:e}");
     }
@@ -294,7 +294,7 @@ fn a_tracked_ball_strikes_again_and_the_account_closes() {
         ("wall", common::elastic_steel(), AREA, [heavy(2.0), EndCondition::Wall { gap: 1e-4 }], 2e-3),
         ("mirrored", common::elastic_steel(), AREA, [EndCondition::Wall { gap: 1e-4 }, heavy(-2.0)], 2e-3),
         ("yields", common::bilinear_steel(), thin, [ball(10.0), EndCondition::Free], 4e-4),
-        // Nothing but the bar moves at the start.
+        // Only the bar moves initially.
         (
             "struck from behind",
             common::elastic_steel(),
@@ -311,7 +311,7 @@ fn a_tracked_ball_strikes_again_and_the_account_closes() {
             bar.advance_to(until * f64::from(k) / 50.0).unwrap_or_else(|e| panic!("{what}: {e:?}"));
             ledger.row(&bar);
         }
-        // Rounding of the places of some hundred thousand meetings.
+        // Rounding of the positions of some hundred thousand interactions.
         let (energy, momentum) = (ledger.worst_energy(), ledger.worst_momentum());
         assert!(energy < 1e-9 && momentum < 1e-9, "{what}: {energy:e} {momentum:e}");
         assert!(bar.ends()[which].steps.iter().all(|s| s.stress <= 0.0), "{what}: it pulls");

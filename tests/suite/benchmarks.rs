@@ -1,5 +1,5 @@
-//! Accuracy on the benchmark problems, against their exact solutions: a steel bar (E 200 GPa, rho 7800 kg/m^3) whose
-//! left end is suddenly moved, at t = 0.8 L/c0.
+//! Accuracy on the benchmark problems against their exact solutions: a steel bar (E 200 GPa, rho 7800 kg/m^3) whose left end is suddenly set in
+//! motion, at t = 0.8 L/c0.
 
 use crate::common;
 
@@ -29,7 +29,7 @@ fn struck(material: Material, velocity: f64, cells: usize) -> Leapfrog {
     bar
 }
 
-/// Relative L1 distance of stress over the bar; `exact` gives the magnitude of compression at x/t.
+/// Returns the relative L1 error of stress over the bar; `exact` gives the magnitude of compression at x/t.
 fn error(bar: &Leapfrog, exact: impl Fn(f64) -> f64) -> f64 {
     let (mut missed, mut total) = (0.0, 0.0);
     for (x, sigma) in bar.grid().centres().into_iter().zip(common::profile(bar, Quantity::Stress)) {
@@ -50,7 +50,7 @@ fn p1(cells: usize) -> f64 {
 fn p2(cells: usize) -> f64 {
     let plastic = (20e9_f64 / DENSITY).sqrt();
     let plateau = YIELD + DENSITY * plastic * (20.0 - YIELD / (DENSITY * c0()));
-    // As printed with the problem.
+    // Value stated with the problem.
     assert!((plateau - 386.554e6).abs() < 500.0, "{plateau}");
     let bar = struck(common::bilinear_steel(), 20.0, cells);
     error(&bar, |xi| match xi {
@@ -64,35 +64,35 @@ fn p3_bar(cells: usize) -> Leapfrog {
     struck(common::power_law_steel(), 20.0, cells)
 }
 
-/// Power law struck at 20 m/s: stress of the smooth law. With `s = 200 MPa (e/e_y)^n` the wave speed is
-/// `c0 sqrt(n) (e/e_y)^((n-1)/2)`, whose inverse is the fan; the velocity integral of it gives the largest strain.
+/// Returns the exact stress of a power law struck at 20 m/s. With `s = 200 MPa (e/e_y)^n` the wave speed is `c0 sqrt(n) (e/e_y)^((n-1)/2)`, whose
+/// inverse gives the fan; its integral over strain, the velocity, gives the largest strain.
 fn p3_exact(xi: f64) -> f64 {
     let n = 0.2_f64;
     let ratio_max = ((20.0 / (c0() * YIELD_STRAIN) - 1.0) * 0.6 / n.sqrt() + 1.0).powf(1.0 / 0.6);
-    // As printed with the problem.
+    // Value stated with the problem.
     assert!((ratio_max * YIELD_STRAIN - 1.441_32e-2).abs() < 1e-7, "{ratio_max}");
     let ratio = (xi / (n.sqrt() * c0())).powf(2.0 / (n - 1.0)).clamp(1.0, ratio_max);
     if xi < c0() { YIELD * ratio.powf(n) } else { 0.0 }
 }
 
-/// A table of 60 knots against the smooth law.
+/// Returns the error of a table of 60 knots against the smooth law.
 fn p3(cells: usize) -> f64 {
     error(&p3_bar(cells), p3_exact)
 }
 
-/// The same law as a table of 1000 knots, whose own distance from it is below 3e-6 of the stress.
+/// Returns the error of a table of 1000 knots, which differs from the law by less than 3e-6 of the stress.
 fn p3_fine(cells: usize) -> f64 {
     error(&struck(common::power_law_table(1000), 20.0, cells), p3_exact)
 }
 
-/// Observed order between two resolutions.
+/// Returns the observed order between two resolutions.
 fn order(coarse: f64, fine: f64, refinement: f64) -> f64 {
     (coarse / fine).ln() / refinement.ln()
 }
 
 #[test]
 fn p1_is_exact() {
-    // 800 steps of one rounding each, of 1e-16 relative.
+    // 800 steps with one rounding of 1e-16 each, relative.
     let error = p1(1000);
     println!("P1 {error:e}");
     assert!(error < 1e-12, "{error:e}");
@@ -117,12 +117,12 @@ fn p3_meets_its_bound_at_1000_cells() {
 fn p3_meets_its_bound_at_10_000_cells() {
     let error = p3(10_000);
     println!("P3 10000 {error:e}");
-    // Not less than at 1000 cells: what is left is the distance between the table's chords and the smooth law.
+    // The error does not decrease below that with 1000 cells: the remainder is the difference between the chords of the table and the smooth law.
     assert!(error <= 0.0007, "{error:e}");
 }
 
-/// A jump that a scheme of order p carries along linearly smears over dx^(p/(p+1)) of the bar: 2/3 for the plastic front
-/// of P2; a tenth less allows for where the front stands in its cell. The power law's fan has kinks but no jump past the elastic front, which is exact: first order, at the kinks.
+/// A jump that a scheme of order p advects linearly spreads over dx^(p/(p+1)) of the bar: the order is 2/3 for the plastic front of P2, less a tenth
+/// for the position of the front in its cell. The fan of the power law has kinks but no jump behind the elastic front, which is exact: first order.
 #[test]
 fn p2_and_p3_converge() {
     let bilinear = order(p2(1000), p2(4000), 4.0);
@@ -132,7 +132,7 @@ fn p2_and_p3_converge() {
     assert!(power_law > 0.95, "{power_law}");
 }
 
-/// A smooth pulse below yield, sin^4, 0.2 L long, with its exact solution sigma = -rho c0 v(t - x/c0).
+/// Returns the error of a smooth pulse below yield, sin^4 with a length of 0.2 L, against sigma = -rho c0 v(t - x/c0).
 fn smooth_pulse(cells: usize) -> f64 {
     let history = common::smooth_pulse(0.2 / c0());
     let pushed = EndCondition::Velocity { history: history.clone(), release: None };
@@ -148,6 +148,6 @@ fn a_smooth_pulse_converges_with_order_two() {
     let errors = [500, 1000, 2000].map(smooth_pulse);
     let orders = [order(errors[0], errors[1], 2.0), order(errors[1], errors[2], 2.0)];
     println!("smooth {errors:?} {orders:?}");
-    // The next term of the error is two orders higher; at 50 steps a pulse and more it is below 5 % of the first.
+    // The next term of the error is two orders higher; with at least 50 steps per pulse it is below 5 % of the first.
     assert!(orders.iter().all(|o| (o - 2.0).abs() < 0.1), "{orders:?}");
 }

@@ -1,5 +1,5 @@
-//! What holds for every command: several inputs, standard streams, JSON, folders, width, help.
-// A test that meets an error is to fail there.
+//! Properties of all commands: several inputs, standard streams, JSON, folders, width, help.
+// Tests panic at the first unexpected error.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::common::results::unlocked;
 const SCENE: &str = "[bar]\nlength = 1\narea = \"1 cm^2\"\nmaterial = \"mild-steel\"\n[left]\nkind = \"velocity\"\nvalue = -1\n\
                      [right]\nkind = \"free\"\n[solve]\nuntil = \"50 us\"\ncells = 100\n";
 
-/// A folder with the scenes `a.toml`, `b.toml`, and `wrong.toml`, which is refused.
+/// Returns a folder with the scenes `a.toml`, `b.toml` and `wrong.toml`, which is refused.
 fn scenes() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in [("a", SCENE.to_owned()), ("b", SCENE.into()), ("wrong", SCENE.replace("= 100", "= -1"))] {
@@ -30,7 +30,7 @@ fn err(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The program with this text on standard input.
+/// Runs the program with this text on standard input.
 fn piped(folder: &Path, arguments: &[&str], text: &str) -> Output {
     use std::io::Write as _;
     let mut command = Command::new(env!("CARGO_BIN_EXE_barwave"));
@@ -55,7 +55,7 @@ fn several_scenes_each_have_a_result_whatever_becomes_of_the_others() {
     let output = barwave(folder.path(), &["run", "a.toml", "wrong.toml", "b.toml"]);
     assert!(err(&output).starts_with("wrong.toml: error: `solve.cells`: -1 is out of range"), "{}", err(&output));
     assert_eq!(out(&output).matches("  outcome           done").count(), 2);
-    // One file cannot hold two results, and two scenes of one name would write one file.
+    // One file cannot hold two results, and two scenes of the same name would write the same file.
     let output = barwave(folder.path(), &["run", "a.toml", "b.toml", "-o", "c.h5"]);
     assert!(output.status.code() == Some(2) && err(&output).contains("--output-dir"), "{}", err(&output));
     std::fs::create_dir(folder.path().join("other")).unwrap();
@@ -64,7 +64,7 @@ fn several_scenes_each_have_a_result_whatever_becomes_of_the_others() {
     assert!(output.status.code() == Some(2) && err(&output).contains("an earlier scene"), "{}", err(&output));
 }
 
-/// A result file stands for its scene, with the material and the history that the scene names in files.
+/// A result file can be run like its scene, with the material and the history that the scene reads from files.
 #[test]
 fn a_scene_runs_again_from_its_result_alone() {
     let folder = scenes();
@@ -87,7 +87,7 @@ fn a_scene_runs_again_from_its_result_alone() {
         unlocked().open(folder.path().join(name)).unwrap().dataset("stress").unwrap().read_raw::<f64>().unwrap()
     };
     assert_eq!(stress("a_solve.cells=80.h5"), stress("a_solve.cells=80_rerun.h5"));
-    // The file of another format version cannot be read as a result, but its scene can be run.
+    // A file of another format version cannot be read as a result, but its scene can be run.
     let old = unlocked().open_rw(folder.path().join("a_solve.cells=80.h5")).unwrap();
     old.attr("format_version").unwrap().write_scalar(&1_u32).unwrap();
     old.close().unwrap();
@@ -116,7 +116,7 @@ fn errors_are_json_on_stderr() {
     }
     let (code, error) = error_of(&["run", "--no-such-option", "--json"]);
     assert_eq!((code, &error["kind"]), (Some(2), &"usage".into()));
-    // All of the first paragraph, not its first line alone.
+    // The message is the whole first paragraph, not only its first line.
     let (code, error) = error_of(&["sweep", "--json"]);
     assert_eq!(code, Some(2));
     assert!(error["message"].as_str().is_some_and(|text| text.contains("not provided: <")), "{error}");
@@ -124,7 +124,7 @@ fn errors_are_json_on_stderr() {
     assert_eq!((code, &error["key"]), (Some(2), &"--json".into()));
 }
 
-/// `--json` may come before the command, and every result says which layout it has.
+/// `--json` may precede the command, and every result states the version of its layout.
 #[test]
 fn results_of_every_command_are_versioned_json() {
     let folder = scenes();
@@ -173,7 +173,7 @@ fn standard_streams_are_read_and_written() {
         let output = piped(folder.path(), arguments, material);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", err(&output));
     }
-    // Two outputs would be one text.
+    // Two outputs would be mixed on standard output.
     let output = barwave(folder.path(), &["critical", "mild-steel", "-o", "-", "--json"]);
     assert!(output.status.code() == Some(2) && err(&output).contains("standard output"), "{}", err(&output));
     let output = barwave(folder.path(), &["run", "a.toml", "-o", "-"]);
@@ -191,7 +191,7 @@ fn a_key_that_is_not_there_can_be_taken_out() {
     assert!(taken.status.code() == Some(2) && err(&taken).contains("until"), "{}", err(&taken));
 }
 
-/// Nothing is wider than the terminal but single long words.
+/// Only single long words may be wider than the terminal.
 #[test]
 fn texts_and_tables_fit_80_columns() {
     let folder = scenes();
@@ -259,7 +259,7 @@ fn colours_and_details_are_as_asked_for() {
     assert_eq!(err(&barwave(folder.path(), &["check", "a.toml"])), "");
 }
 
-/// Nothing that a command reads is replaced, not even with `--force`.
+/// No input of a command is replaced, even with `--force`.
 #[test]
 fn inputs_are_no_outputs() {
     let folder = scenes();

@@ -24,7 +24,7 @@ cells = 100
 gauges = { middle = 0.5 }
 "#;
 
-/// A result of the scene, and others with changed keys.
+/// Returns a folder with the result of the scene, and results with changed keys.
 fn results(changes: &[(&str, &[&str])]) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("scene.toml"), BAR).expect("a file");
@@ -81,7 +81,7 @@ fn other_grids_and_times_are_interpolated_on_the_common_part() {
     let table = std::fs::read_to_string(path.join("c.csv")).expect("a table");
     assert!(table.starts_with("file,what,unit,l1,") && table.contains("stress of left end"), "{table}");
     let json: Value = serde_json::from_str(&done(path, &["compare", "a.h5", "grid.h5", "--json"])).expect("JSON");
-    // A front between two samples, 1 cm and 2.5 cm apart, in a bar of which half is stressed in the mean.
+    // A front between two samples, 1 cm and 2.5 cm apart, in a bar of which half is stressed on average.
     assert!(norm(&json[0], "stress", "l1") < 0.06, "{json}");
     assert!(norm(&json[0], "middle", "l1") < 0.02, "{json}");
     assert!(json[0]["time_s"][1].as_f64().expect("a time") < 1.21e-4);
@@ -91,7 +91,7 @@ fn other_grids_and_times_are_interpolated_on_the_common_part() {
     assert!((place["x_m"].as_f64().expect("a place") - front).abs() < 0.04, "{place}");
 }
 
-/// Of a result with fewer frames the figure showed the nearest one, which is not what was compared.
+/// Frames of a result with other frame times are interpolated, and the note says so; the figure shows what is compared.
 #[test]
 fn frames_at_other_times_are_noted() {
     let folder = results(&[("fewer.h5", &["record.frames=5"]), ("same.h5", &[])]);
@@ -104,7 +104,7 @@ fn frames_at_other_times_are_noted() {
     assert!(!notes("same.h5").contains("times"), "{}", notes("same.h5"));
 }
 
-/// The note gave the end times alone, which were equal, and did not say that nothing else is compared.
+/// The note on a result with a single frame states that only this time is compared.
 #[test]
 fn a_single_frame_is_compared_at_its_time() {
     let folder = results(&[("b.h5", &["record.frames=1"])]);
@@ -145,7 +145,7 @@ fn materials_are_found_by_pattern() {
     assert!(all.len() >= 18);
     done(folder.path(), &["compare", "--all", "-o", "all.svg"]);
     let svg = std::fs::read_to_string(folder.path().join("all.svg")).expect("a figure");
-    // Every material stands beside its bar, and its number at the ends of its lines.
+    // Every material is named beside its bar, and its number is at the ends of its lines.
     for name in all {
         assert!(svg.contains(&format!(">{name}</text>")), "{name}");
     }
@@ -153,7 +153,7 @@ fn materials_are_found_by_pattern() {
 
 #[test]
 fn bars_start_at_zero_and_materials_have_no_fields() {
-    // 100 samples of 23.47 mm: the first centre less half a spacing is 7e-18 m.
+    // 100 samples on 23.47 mm: the first cell centre minus half the spacing is 7e-18 m.
     let folder = results(&[("short.h5", &["bar.length=0.02347", "record.gauges.middle=0.01"])]);
     let text = done(folder.path(), &["compare", "short.h5", "short.h5"]);
     assert!(text.contains("samples from 0 m to 23.47 mm"), "{text}");

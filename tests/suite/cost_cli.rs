@@ -1,5 +1,5 @@
-//! `barwave cost` through the real binary: keys, columns, files, budget, interruption. Nothing here depends on how fast
-//! the machine is: every study ends with what its budget allowed.
+//! `barwave cost` through the real binary: keys, columns, files, budget, interruption. Nothing here depends on the speed of the machine: every study
+//! ends with what its budget allows.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -50,7 +50,7 @@ fn json_has_the_contracts_keys_and_front_tracking_is_exact_where_a_grid_is_not()
         assert_eq!(resolution.iter().flatten().count(), 1, "{point}");
     }
     let tracked = list(&found, "points").iter().find(|p| p["scheme"] == "front-tracking").expect("it can do this");
-    // Sums of a dozen products.
+    // Rounding of sums of a dozen products.
     assert!(number(tracked, "error") < 1e-13 && tracked["exact"] == true, "{tracked}");
     let cells: Vec<&Value> = list(&found, "points").iter().filter(|p| p["scheme"] == "leapfrog").collect();
     let falls = |pair: &[&Value]| number(pair[1], "error") < number(pair[0], "error");
@@ -90,7 +90,7 @@ fn pictures_are_drawn_and_name_every_method() {
     let output = cost(folder.path(), "mild-steel-precursor.toml", &["--budget", "4s", "-o", "figure.svg"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let svg = std::fs::read_to_string(folder.path().join("figure.svg")).expect("a picture");
-    // A rate law: the net and the grid, but no tracked fronts.
+    // A rate law uses the net and the grid, but no tracked fronts.
     assert!(svg.contains("characteristic-net") && svg.contains("leapfrog") && !svg.contains("front-tracking"));
     assert!(svg.contains("0.01 %") && svg.contains("Pareto front"));
     let text = String::from_utf8(output.stdout).expect("text");
@@ -113,8 +113,8 @@ fn wrong_input_is_refused_before_anything_runs() {
     assert!(refused(&["--measure", "gauges", "--set", "record.gauges={}"]).contains("the scene has no gauges"));
 }
 
-/// A copper bar under a stress that falls. All leapfrog grids show the same peak force, that of the exact start of its wave; the reference was leapfrog
-/// with 3200 cells, "uncertain" by 6e-12, although front tracking and the Godunov scheme come no nearer than some 1e-5.
+/// A copper bar under a decreasing stress. All leapfrog grids give the same peak force, that of the exact start of the wave. Leapfrog with 3200 cells
+/// must not serve as the reference, with an "uncertainty" of 6e-12, since front tracking and the Godunov scheme differ from it by about 1e-5.
 const BLAST: &str = r#"
 bar = { length = "0.5 m", diameter = "10 mm", material = "copper-annealed" }
 left = { kind = "stress", history = [["0 us", "-120 MPa"], ["40 us", "0 MPa"]] }
@@ -139,12 +139,12 @@ fn grids_that_agree_with_each_other_alone_are_no_certain_reference() {
     let nearest = others.map(|point| number(point, "error")).fold(f64::INFINITY, f64::min);
     println!("{reference}, uncertain by {uncertainty}; nearest of another method {nearest}");
     assert!(uncertainty > 1e-6 && nearest + uncertainty > 1e-5, "{reference}: {uncertainty}, {nearest}");
-    // An error that does not fall has no order.
+    // Without a decrease of the error there is no order.
     let orders = found["orders"].as_object().expect("orders").values();
     assert!(orders.filter_map(Value::as_f64).all(|order| order > 0.0), "{}", found["orders"]);
 }
 
-/// The pulse has left the bar by the end time: no relative error of the stress there can be measured, but over bar and time it can.
+/// The pulse has left the bar at the end time: the relative error of the stress at that time is undefined, but that over the bar and time is not.
 #[test]
 fn methods_are_compared_in_a_bar_without_stress_at_the_end() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -184,7 +184,7 @@ fn an_interrupted_study_shows_what_there_is_and_exits_with_130() {
     assert_eq!(output.status.code(), Some(130));
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("measured"), "it says what is kept: {said}");
-    // Either nothing yet, or a whole report that says that it was stopped.
+    // Either no output, or a complete report that states the interruption.
     if !output.stdout.is_empty() {
         let found: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
         assert_eq!(found["interrupted"], true);

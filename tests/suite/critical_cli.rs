@@ -111,7 +111,7 @@ fn compare_writes_each_kind_of_file() {
     }
     let svg = std::fs::read_to_string(folder.path().join("o.svg")).expect("text");
     assert!(["MPa", "m/s", "copper-annealed"].iter().all(|word| svg.contains(word)));
-    // The last row of the table is T-A's last knot: its slowest front and the sum of all jumps.
+    // The last row of the table is the last knot of T-A: its slowest front and the sum of all jumps.
     let csv = std::fs::read_to_string(folder.path().join("o.csv")).expect("text");
     let last: Vec<f64> =
         csv.trim().lines().last().expect("rows").split(',').skip(1).map(|c| c.parse().expect("a number")).collect();
@@ -160,7 +160,7 @@ fn a_wrong_csv_is_refused_before_anything_is_written() {
     assert!(!folder.path().join("a.toml").exists());
 }
 
-/// Curves of tension, compression and shear were averaged.
+/// Repeats tested in tension, compression or shear must not be averaged together.
 #[test]
 fn repeats_have_one_loading() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -198,7 +198,7 @@ fn a_critical_velocity_is_confirmed_on_a_grid_that_has_converged() {
     let rows = json(&barwave(folder.path(), &["critical", "falls.toml", "--simulate", "--json"]));
     let simulated = &rows[0]["simulated"];
     let number = |value: &Value| value.as_f64().expect("a number");
-    // 400 cells give another velocity than 200 do.
+    // 400 cells give another velocity than 200 cells.
     assert!(number(&simulated["grid"]["cells"]) > 400.0, "{simulated}");
     let change = number(&simulated["grid"]["resolution_m_s"]) / number(&rows[0]["critical_velocity_m_s"]);
     assert_eq!(simulated["confirmed"] == true, change < 0.01, "{simulated}");

@@ -74,7 +74,7 @@ fn parts_of_the_curve_add_up_to_the_critical_velocity() {
     let sum = |key: &str| intervals.iter().map(|i| number(&i[key])).sum::<f64>();
     let velocity = number(&row["critical_velocity_m_s"]);
     assert!((sum("contribution_m_s") / velocity - 1.0).abs() < 1e-9 && (sum("share") - 1.0).abs() < 1e-9);
-    // 1 % of stress everywhere raises the velocity by half a percent.
+    // 1 % more stress at all strains increases the velocity by half a percent.
     assert!((sum("per_percent_of_stress_m_s") / velocity / 0.005 - 1.0).abs() < 0.2, "{row:#}");
     let last = &intervals[intervals.len() - 1];
     assert_eq!(last["to"], row["strain_at_max"]);
@@ -108,7 +108,8 @@ fn a_fast_rate_law_gives_the_static_value_and_a_slow_one_more() {
     assert!(velocity("1e4", "100 mm") > slow, "a shorter bar has less time");
 }
 
-/// The strain was read when the wave from the far end had unloaded the cells already: 58.2 m/s, where runs at 57.5 m/s exceed the strain.
+/// The strain is evaluated before the wave from the far end unloads the cells; afterwards, the result would be 58.2 m/s although runs at 57.5 m/s
+/// exceed the strain.
 #[test]
 fn the_apparent_critical_velocity_is_that_of_runs_before_the_wave_returns() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -116,7 +117,7 @@ fn the_apparent_critical_velocity_is_that_of_runs_before_the_wave_returns() {
     let apparent = &row["apparent"];
     let [holds, breaks] = ["holds_m_s", "breaks_m_s"].map(|key| number(&apparent["grid"][key]));
     let limit = number(&apparent["strain_limit"]);
-    // Of all times up to the return of the wave to the end.
+    // Largest value at any time before the wave returns to the end.
     let largest = |velocity: f64| {
         let text = format!(
             "[bar]\nlength = 0.2\narea = 1\nmaterial = \"steel-s7-jc\"\n[left]\nkind = \"velocity\"\nvalue = {}\n[right]\nkind = \
@@ -138,7 +139,7 @@ fn the_apparent_critical_velocity_is_that_of_runs_before_the_wave_returns() {
 #[test]
 fn a_repeat_that_rises_up_to_the_fracture_does_not_stretch_the_mean_curve() {
     let folder = tempfile::tempdir().expect("a folder");
-    // Saturating hardening up to 14 % of plastic strain; then the stress falls or rises by the noise of a test.
+    // Saturating hardening up to 14 % of plastic strain; then the stress decreases, or increases by the noise of a test.
     let material = |after: f64| {
         let stress = |p: f64| 430e6 - 150e6 * (-p / 0.035).exp();
         let row = |p: f64, s: f64| format!("[{}, {s}]", p + s / 70e9);
@@ -152,7 +153,7 @@ fn a_repeat_that_rises_up_to_the_fracture_does_not_stretch_the_mean_curve() {
     let row = &json(folder.path(), &["critical", "a.toml", "b.toml", "c.toml", "--repeats"])[0];
     let of_tests: Vec<f64> = (0..3).map(|k| number(&row["scatter"]["tests"][k]["critical_velocity_m_s"])).collect();
     let (low, high) = (of_tests[0].min(of_tests[1]), of_tests[0].max(of_tests[1]));
-    // The mean of equal curves up to the largest stress is that of the two that fall.
+    // The mean of curves that are equal up to the largest stress is that of the two that decrease.
     let velocity = number(&row["critical_velocity_m_s"]);
     assert!((low * (1.0 - 1e-6)..=high).contains(&velocity), "{row:#}");
     assert!((number(&row["strain_at_max"]) / (0.14 + 427.3e6 / 70e9) - 1.0).abs() < 1e-3, "{row:#}");
@@ -177,11 +178,11 @@ fn repeats_are_one_material_and_a_band_moves_the_curve() {
                 deviation = [[0.001, 8], [0.1, 12]]\n";
     std::fs::write(folder.path().join("d.toml"), band).expect("a file");
     let row = &json(folder.path(), &["critical", "d.toml"])[0];
-    // The elastic limit moves by 8 MPa/Z = 0.2 m/s, sqrt(d sigma d eps/rho) = 35.18 m/s behind it by 2.01 %: d sigma of 100 MPa by 4 MPa,
-    // d eps of 0.099 by 4 MPa/E.
+    // The velocity at the elastic limit changes by 8 MPa/Z = 0.2 m/s, and the jump sqrt(d sigma d eps/rho) = 35.18 m/s behind it by 2.01 %: d sigma
+    // of 100 MPa by 4 MPa, d eps of 0.099 by 4 MPa/E.
     assert!((number(&row["scatter"]["standard_deviation_m_s"]) / 0.907 - 1.0).abs() < 0.06, "{row:#}");
     assert_eq!(row["scatter"]["basis"], "deviation");
-    // The same flow stress more at all plastic strains: d/Z.
+    // The flow stress changes by the same amount d at all plastic strains: d/Z.
     std::fs::write(folder.path().join("e.toml"), band.replace("12]", "8]")).expect("a file");
     let row = &json(folder.path(), &["critical", "e.toml"])[0];
     assert!((number(&row["scatter"]["standard_deviation_m_s"]) / 0.2 - 1.0).abs() < 0.06, "{row:#}");

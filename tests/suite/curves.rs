@@ -1,4 +1,4 @@
-//! Stress-strain tables: what is refused, and what a table answers.
+//! Stress-strain tables: which are refused, and the values that they give.
 
 use barwave::material::{Beyond, Curve, UltimateReason};
 use proptest::prelude::*;
@@ -73,7 +73,7 @@ fn the_ultimate_point_is_the_first_that_has_the_largest_stress() {
     assert_eq!(ultimate(&rising, Beyond::Rupture), Some((0.2, 300.0, UltimateReason::RuptureStrain)));
     assert_eq!(ultimate(&rising, Beyond::Extend), None);
     assert_eq!(ultimate(&rising, Beyond::Error), None);
-    // An extension that rises for ever passes any maximum; data that end below their maximum do not.
+    // An extrapolation that increases without limit exceeds any maximum; data that end below their maximum do not.
     assert_eq!(ultimate(&drop, Beyond::Extend), None);
     assert_eq!(ultimate(&drop, Beyond::Error), Some((0.001, 300.0, UltimateReason::MaximumStress)));
 }
@@ -84,7 +84,7 @@ fn the_running_maximum_fills_drops_up_to_where_the_stress_returns() {
     let filled = c.running_maximum();
     let back = 0.02 + (310.0 - 250.0) / (380.0 - 250.0) * (0.1 - 0.02);
     assert_eq!(filled.stress_at(0.01), 310.0 * MPA);
-    // Interpolated twice with relative rounding 1e-16, times the slope: far below 1e-12.
+    // Two interpolations with a relative rounding of 1e-16 each, times the slope: far below 1e-12.
     assert!((filled.stress_at(back) / (310.0 * MPA) - 1.0).abs() < 1e-12);
     assert_eq!(filled.stress_at(0.1), 380.0 * MPA);
     assert!(filled.stress_at(back * 0.999) <= 310.0 * MPA);
@@ -100,7 +100,7 @@ fn the_running_maximum_of_an_extension_crosses_after_the_last_knot() {
     assert!((filled.stress_at(0.042) / (400.0 * MPA) - 1.0).abs() < 1e-12);
 }
 
-/// Random tables: 1 to 12 segments, rising, flat or falling, as `(d eps, stress)` steps.
+/// Random tables of 1 to 12 segments, rising, level or falling, as `(d eps, stress)` steps.
 fn tables() -> impl Strategy<Value = Vec<(f64, f64)>> {
     proptest::collection::vec((1e-4..0.1_f64, 1.0..500.0_f64), 1..12).prop_map(|steps| {
         let mut strain = 0.0;
@@ -133,7 +133,7 @@ proptest! {
             let strain = c.last_strain() * f64::from(i) / 2000.0;
             highest = highest.max(c.stress_at(strain));
             let filled_there = filled.stress_at(strain);
-            // Below by interpolation round-off only; above by at most what a sample step can hide of a peak.
+            // Below only by rounding of the interpolation; above by at most the part of a peak between two samples.
             prop_assert!(filled_there >= highest * (1.0 - 1e-9));
             prop_assert!(filled_there <= highest + c.steepest() * c.last_strain() / 2000.0);
         }

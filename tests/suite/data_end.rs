@@ -1,5 +1,5 @@
-//! The end of the stress-strain data, through every solver and the real binary: a run stops where a point flows past the data of
-//! the sense in which it flows, in the step in which it does, and nowhere else.
+//! The end of the stress-strain data with every solver and through the real binary: a run stops if and only if a point flows beyond the data for the
+//! sense in which it flows, in the step in which this happens.
 
 use crate::common::binary;
 
@@ -13,7 +13,7 @@ use barwave::record::store::ResultFile;
 use binary::barwave;
 use serde_json::Value;
 
-/// Changes of a scene for every solver that takes it: its name, `[solve]` without the end time, `[effects]`.
+/// Name of a solver, its `[solve]` without the end time, and `[effects]`.
 const SOLVERS: [(&str, &str, &str); 5] = [
     ("leapfrog", "cells = 400", r#"hardening = "isotropic""#),
     ("leapfrog with a rate", "cells = 400", r#"rate = { model = "malvern", k = "1e8 1/s" }"#),
@@ -22,13 +22,13 @@ const SOLVERS: [(&str, &str, &str); 5] = [
     ("characteristic net", "method = \"moc\", cells = 400", r#"rate = { model = "malvern", k = "1e8 1/s" }"#),
 ];
 
-/// Its data end at a strain of 0.02, and say nothing of what follows.
+/// Material whose data end at a strain of 0.02, with `beyond = "error"`.
 const SHORT: &str = r#"{ name = "short", density = 8000, modulus = "200 GPa", beyond = "error", curve = { table = [[0.001, "200 MPa"], [0.02, "400 MPa"]] } }"#;
 
-/// Carries little stress at any strain.
+/// Material with low stress at all strains.
 const SOFT: &str = r#"{ name = "soft", density = 8000, modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.02, "400 MPa"]] } }"#;
 
-/// A scene by one of [`SOLVERS`].
+/// Returns a scene for one of [`SOLVERS`].
 fn scene((_, solve, effects): (&str, &str, &str), bar: &str, ends: [&str; 2], until: &str) -> String {
     let [left, right] = ends;
     format!(
@@ -38,21 +38,21 @@ fn scene((_, solve, effects): (&str, &str, &str), bar: &str, ends: [&str; 2], un
     )
 }
 
-/// `barwave` of a scene in a folder of its own.
+/// Runs a command of `barwave` on a scene in a folder of its own.
 fn of(folder: &Path, command: &[&str], scene: &str) -> Output {
     std::fs::write(folder.join("scene.toml"), scene).expect("a folder to write to");
     let arguments: Vec<&str> = command.iter().copied().chain(["scene.toml"]).collect();
     barwave(folder, &arguments)
 }
 
-/// The summary of a run that comes to its end.
+/// Returns the summary of a run that must finish.
 fn summary(folder: &Path, scene: &str) -> Value {
     let output = of(folder, &["run", "--json", "-o", "out.h5"], scene);
     assert_eq!(output.status.code(), Some(0), "{}\n{scene}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).expect("one JSON value")
 }
 
-/// What a run says that stops with exit code 1.
+/// Returns the message of a run that must stop with exit code 1.
 fn stopped(folder: &Path, scene: &str) -> String {
     let output = of(folder, &["run", "--quiet", "-o", "out.h5"], scene);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -60,7 +60,7 @@ fn stopped(folder: &Path, scene: &str) -> String {
     text
 }
 
-/// Least and largest value of a field over all frames.
+/// Returns the smallest and the largest value of a field over all frames.
 fn range(file: &ResultFile, field: Field) -> [f64; 2] {
     let frames = file.time().expect("times").len();
     let values = file.field(field, 0..frames).expect("the field");
@@ -71,7 +71,7 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-/// The search for a method ran its pilots past the data first, and the run that it led to stopped at once.
+/// A load at t = 0 beyond the data is reported before a method is searched for, not after pilot runs.
 #[test]
 fn a_load_beyond_the_data_at_t_0_is_told_before_a_method_is_searched_for() {
     let folder = folder();
@@ -92,7 +92,7 @@ fn a_load_beyond_the_data_at_t_0_is_told_before_a_method_is_searched_for() {
     told(&String::from_utf8_lossy(&cost.stderr));
 }
 
-/// A Taylor cylinder: copper, 25.4 mm long, 7.62 mm thick, onto a wall.
+/// A Taylor cylinder of copper, 25.4 mm long and 7.62 mm in diameter, striking a wall.
 fn taylor(solver: (&str, &str, &str), velocity: u32) -> String {
     let bar = format!(
         "length = \"25.4 mm\", diameter = \"7.62 mm\", material = \"copper-ofhc-taylor-jc\", velocity = \"-{velocity} m/s\""
@@ -151,11 +151,11 @@ fn an_elastic_point_is_past_no_data_and_a_flowing_one_past_those_of_its_own_sens
         held: false,
     };
     let limit = |point: Flowing, flows: bool| end.reached(&point, |_| flows).map(|Reached { limit, .. }| limit);
-    // Compressed by 0.2: that is within the compression data, and past those of tension only if it flows that way.
+    // A compression of 0.2 is within the compression data, and beyond the tension data only if the point flows in tension.
     assert_eq!(limit(point(Sense::Compression, 0.198, -0.2), true), None);
     assert_eq!(limit(point(Sense::Tension, 0.198, -0.197), false), None);
     assert_eq!(limit(point(Sense::Tension, 0.198, -0.197), true), Some(Limit::EndOfDataReversed(Sense::Tension)));
-    // The last knot has the plastic strain 0.018.
+    // The last knot has a plastic strain of 0.018.
     assert_eq!(limit(point(Sense::Tension, 0.0179, 0.0199), true), None);
     assert_eq!(limit(point(Sense::Tension, 0.0181, 0.0201), true), Some(Limit::EndOfData(Sense::Tension)));
     assert_eq!(limit(point(Sense::Compression, 1.1, -1.0), false), Some(Limit::FullCompression));
@@ -163,8 +163,8 @@ fn an_elastic_point_is_past_no_data_and_a_flowing_one_past_those_of_its_own_sens
     assert_eq!(shear.reached(&point(Sense::Compression, 1.1, -1.1), |_| false), None);
 }
 
-/// All strain along a last segment parallel to the elastic line is elastic: the plastic strain at its start is that at the end of the data, and every
-/// solver stopped there.
+/// The strain along a last segment parallel to the elastic line is elastic, so that the plastic strain at its start equals that at the end of the
+/// data. No solver may stop there.
 #[test]
 fn a_last_segment_parallel_to_the_elastic_line_belongs_to_the_data() {
     let foam = r#"{ name = "foam", density = 200, beyond = "error", curve = { table = [[0.01, "1 MPa"], [0.6, "1.2 MPa"], [0.7, "5 MPa"], [0.75, "20 MPa"]] } }"#;
@@ -173,14 +173,14 @@ fn a_last_segment_parallel_to_the_elastic_line_belongs_to_the_data() {
         let ends = [&format!("kind = \"velocity\", value = \"-{speed} m/s\""), "kind = \"free\""];
         scene(solver, &bar, ends, "1 ms").replace("hardening = \"isotropic\"", hardening)
     };
-    // One shock from (0.01, 1 MPa) to (e, s), with 150 m/s = 0.01 c + sqrt((s - 1 MPa) (e - 0.01)/rho) and s = 5 MPa + 300 MPa (e - 0.7). On grids the
-    // elastic segment behind it rings; the mean stress is that of the impulse.
+    // One shock from (0.01, 1 MPa) to (e, s), with 150 m/s = 0.01 c + sqrt((s - 1 MPa) (e - 0.01)/rho) and s = 5 MPa + 300 MPa (e - 0.7). On grids
+    // the elastic segment behind it oscillates; the mean stress is that of the impulse.
     let (strain, impulse) = (0.706_228, -686.839e-3);
     for solver in SOLVERS {
         let plastic = ["hardening = \"isotropic\"", "", "hardening = { mixed = 0.5 }"];
         let kinds = match solver.0 {
             "leapfrog" | "front tracking" => 3,
-            // It takes no mixed hardening along a curve that stiffens.
+            // The scheme does not support mixed hardening along a curve that stiffens.
             "muscl" => 2,
             _ => 1,
         };
@@ -196,7 +196,7 @@ fn a_last_segment_parallel_to_the_elastic_line_belongs_to_the_data() {
             let most = if solver.0 == "front tracking" { 1e-5 } else { 1e-2 };
             assert!(off.iter().all(|off| off.abs() < most), "{} {hardening}: {off:?}", solver.0);
         }
-        // That comes to the end of the data at 272.2 m/s.
+        // This curve reaches the end of its data at 272.2 m/s.
         let text = stopped(folder().path(), &pulled(solver, 290, plastic[0]));
         assert!(text.contains("is beyond the end of the data of foam in tension (0.7500)"), "{}: {text}", solver.0);
     }
@@ -241,7 +241,7 @@ fn a_table_to_a_tension_strain_of_2_has_a_compression_table_of_the_same_law() {
 #[test]
 fn a_run_stops_in_the_step_that_passes_the_data_and_records_nothing_of_it() {
     let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {SHORT}");
-    // The data carry 27 m/s. The ramp comes to that at 13.4 us, between two frames.
+    // The data suffice for 27 m/s, which the ramp reaches at 13.4 us, between two frames.
     let ramp = "kind = \"velocity\", history = [[0, 0], [20e-6, 40], [40e-6, 40]]";
     for solver in SOLVERS {
         for sense in ["", "-"] {
@@ -265,7 +265,7 @@ fn a_run_stops_in_the_step_that_passes_the_data_and_records_nothing_of_it() {
             assert!(range(&file, Field::Strain).into_iter().all(|e| e.abs() <= 0.02), "{}", solver.0);
             let gauge = file.gauges().expect("gauges").remove(0).trace;
             assert!(
-                // The message gives the time to seven digits.
+                // The message states the time with seven digits.
                 gauge.time.iter().all(|&t| t <= time * (1.0 + 1e-6)) && gauge.strain.iter().all(|e| e.abs() <= 0.02),
                 "{}",
                 solver.0
@@ -288,8 +288,8 @@ fn data_that_end_at_once_stop_front_tracking_too() {
     }
 }
 
-/// The mean strain of the first cell of a bar under a light striker stays below what its end has at first: grids went on from the force at the end
-/// of the data, and front tracking stopped.
+/// The mean strain of the first cell of a bar struck by a light striker remains below the initial strain of its end. Grids must not continue with the
+/// force at the end of the data where front tracking stops.
 #[test]
 fn a_light_striker_stops_every_method_at_once() {
     let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {SHORT}");
@@ -307,8 +307,8 @@ fn a_light_striker_stops_every_method_at_once() {
     }
 }
 
-/// Front tracking took a wave in the elastic bar, whose data end where it would yield, for one at the largest stress of the bar beside it: "strain
-/// 0.1000 is beyond the end of the data".
+/// A wave in an elastic bar whose data end at yield must not count as one at the largest stress of the bar beside it, which would stop front tracking
+/// with "strain 0.1000 is beyond the end of the data".
 #[test]
 fn an_elastic_bar_beside_one_that_flows_at_one_stress_is_past_no_data() {
     let level =
@@ -327,8 +327,8 @@ fn an_elastic_bar_beside_one_that_flows_at_one_stress_is_past_no_data() {
     }
 }
 
-/// The state that grids start with behind a sudden load was taken from one that the curve cannot carry away: a wave at the elastic speed, with the
-/// velocity of the striker and the largest stress of the data. The run came to its end.
+/// The initial state of grids behind a sudden load must not come from one that the curve cannot transmit, a wave at the elastic speed with the
+/// velocity of the striker and the largest stress of the data: the run must stop.
 #[test]
 fn a_bar_that_has_hardened_stops_as_one_that_has_not() {
     let bar =
@@ -352,7 +352,7 @@ fn a_bar_that_has_hardened_stops_as_one_that_has_not() {
 #[test]
 fn a_bar_that_is_compressed_to_nothing_stops_the_run() {
     let bar = format!("length = \"100 mm\", area = \"1 cm^2\", material = {SOFT}");
-    // A strain of -1 carries 1151 m/s.
+    // A strain of -1 corresponds to 1151 m/s.
     let ramp = "kind = \"velocity\", history = [[0, 0], [20e-6, 2000], [40e-6, 2000]]";
     for solver in SOLVERS {
         let folder = folder();
@@ -387,10 +387,10 @@ fn flow_that_reverses_after_a_large_compression_is_reported() {
         let rows = found["audit"].as_array().expect("a list");
         let row =
             rows.iter().find(|row| row["effect"] == "reversal").unwrap_or_else(|| panic!("{}: {rows:?}", solver.0));
-        // 400 MPa in compression, against at most 315 MPa of the tension curve.
+        // 400 MPa in compression, compared with at most 315 MPa on the tension curve.
         let estimate = row["estimate"].as_f64().expect("a number");
         assert!((0.18..0.25).contains(&estimate), "{}: {row}", solver.0);
-        // It is no rupture: nothing was stretched.
+        // No rupture, since nothing is stretched.
         assert_eq!(found["outcome"], "done", "{}", solver.0);
     }
 }

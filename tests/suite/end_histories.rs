@@ -1,4 +1,4 @@
-//! Histories of the ends: the state just after t = 0 by every method, and both sides of every jump.
+//! Histories of the ends: the state just after t = 0 with every method, and both sides of every jump.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -7,11 +7,11 @@ use barwave::record::Trace;
 use barwave::run::{self, Solution};
 use barwave::scene::Scene;
 
-/// Pa s/m, of steel with 200 GPa and 7800 kg/m^3; m/s.
+/// Impedance of steel with 200 GPa and 7800 kg/m^3, Pa s/m, and a velocity, m/s.
 const IMPEDANCE: f64 = 39_496_835.316_263;
 const SPEED: f64 = 5_063.696_835_418_333;
 
-/// Methods and resolutions of `cells` cells; front tracking has none. The net takes bars with a strain rate, here one that nothing reaches.
+/// Returns the methods with a resolution of `cells` cells (front tracking has none). The net uses a bar with a strain rate that has no effect here.
 fn methods(cells: usize) -> [(&'static str, String); 4] {
     [
         ("leapfrog", format!("cells = {cells}")),
@@ -21,7 +21,7 @@ fn methods(cells: usize) -> [(&'static str, String); 4] {
     ]
 }
 
-/// A bar of 1 m and 1 cm^2 that moves with `velocity` (m/s), for so many transit times.
+/// Solves a bar of 1 m and 1 cm^2 with the initial velocity `velocity` (m/s), for `transits` transit times.
 fn solve(left: &str, right: &str, velocity: f64, transits: f64, solve: &str) -> Solution {
     let until = transits / SPEED;
     let text = format!(
@@ -33,7 +33,7 @@ fn solve(left: &str, right: &str, velocity: f64, transits: f64, solve: &str) -> 
     run::solve(&scene, &mut |_| ControlFlow::Continue(())).expect("it runs")
 }
 
-/// A grid has no state within a step.
+/// The state on a grid is known only at whole steps.
 #[test]
 fn runs_of_a_few_steps_say_that_they_end_with_a_whole_one() {
     let notes = |until: f64, solve: &str| {
@@ -46,7 +46,7 @@ fn runs_of_a_few_steps_say_that_they_end_with_a_whole_one() {
     assert!(notes(1e-12, "cells = 1000").contains("time steps after the start"));
     assert_eq!([notes(1e-5, "cells = 1000"), notes(1e-12, "method = \"moc\"")], ["", ""]);
     assert!(notes(300.0, "").contains("a number without a unit is in seconds"));
-    // Steps are those of the Courant number: 1000 of them to a cell.
+    // The steps follow from the Courant number: 1000 of them per cell.
     let few = |text: String| text.contains("after the start");
     assert!(few(notes(1e-4, "cells = 10")) && !few(notes(1e-4, "cells = 10\ncfl = 1e-3\nscheme = \"muscl\"")));
     let step = 1.0 / Scene::parse("bar.toml", "[bar]\nlength = 1\nmaterial = \"mild-steel\"\n[left]\nkind = \"free\"\n[right]\nkind = \"free\"\n[solve]\nuntil = 1", Path::new("."), &[]).expect("a scene").bar.segments[0].material.c0();
@@ -57,7 +57,7 @@ fn peak(end: &Trace) -> f64 {
     end.stress.iter().fold(0.0, |peak: f64, stress| peak.max(-stress))
 }
 
-/// Above the critical velocity, and with internal damping, the stress is that after the first step.
+/// Above the critical velocity, and with internal damping, the first row has the stress after the first step.
 #[test]
 fn the_first_row_of_an_end_that_flows_at_once_is_not_zero() {
     for extra in ["", "[effects]\ndamping = { internal = 1e3 }\nhardening = \"isotropic\""] {
@@ -88,7 +88,7 @@ fn the_first_row_is_the_state_just_after_the_start() {
         let first = methods(50).map(|(name, method)| {
             let yields = left.contains("30") || left.contains("5e8");
             let [end, _] = solve(left, "kind = \"free\"", velocity, 0.3, &method).ends;
-            // Overstress and what front tracking makes of ramps are other answers.
+            // Overstress, and the steps that front tracking makes of ramps, give other values.
             let same = !(yields && name == "net" || left.contains("[0, 0]") && name == "front tracking");
             (name, same, end.time[0], end.stress[0], end.velocity[0])
         });
@@ -103,7 +103,7 @@ fn the_first_row_is_the_state_just_after_the_start() {
     }
 }
 
-/// Largest forces on both ends of a rod with a fixed end that is struck by a rigid mass, in rho c v A.
+/// Returns the largest forces at both ends of a rod with a fixed end struck by a rigid mass, relative to rho c v A.
 fn peaks(mass: f64, method: &str) -> [f64; 2] {
     let striker = format!("kind = \"striker\"\nmass = {}\nvelocity = 1", mass * 0.78);
     solve(&striker, "kind = \"fixed\"", 0.0, 10.0, method).ends.map(|end| peak(&end) / IMPEDANCE)
@@ -121,15 +121,15 @@ fn peak_forces_under_a_striker_are_of_second_order() {
         };
         for k in 0..3 {
             let [coarse, fine] = [50, 800].map(|cells| error(cells, k));
-            // Six digits are tabulated.
+            // The table has six digits.
             assert!(fine < 1e-5, "{row}: {} {fine:e}", methods(800)[k].0);
             assert!(coarse < 200.0 * (fine + 1e-5), "{row}: {} {coarse:e} {fine:e}", methods(50)[k].0);
         }
     }
 }
 
-/// A striker of a quarter of the rod's mass: 2 + exp(-8) at the struck end, where its first wave returns, and twice as much of the latter at the
-/// fixed end. Both sides of a jump are of third order, what runs through the bar is of second.
+/// A striker of a quarter of the mass of the rod: the force is 2 + exp(-8) at the struck end, where its first wave returns, and 2 + 2 exp(-8)
+/// at the fixed end. Both sides of a jump are of third order, the waves in the bar of second order.
 #[test]
 fn peak_forces_under_a_light_striker_are_exact_to_five_digits() {
     let expected = [2.0 + (-8.0_f64).exp(), 2.0 + 2.0 * (-8.0_f64).exp()];

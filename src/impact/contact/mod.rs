@@ -69,7 +69,7 @@ pub struct Moment<'a> {
     pub flown: f64,
     /// Approach, m; negative if the bodies are separated.
     pub approach: f64,
-    /// All bodies.
+    /// State of all bodies.
     pub system: &'a System,
 }
 

@@ -1,5 +1,5 @@
-//! Ends in their limits, by every method through the program itself: light and heavy masses, soft and rigid springs, dashpots, contacts
-//! that open and close, sudden impacts; and what a ledger must never show.
+//! Ends in limiting cases, with every method through the program: light and heavy masses, soft and rigid springs, dashpots, contacts that open and
+//! close, sudden impacts; and properties that every ledger must have.
 
 use crate::common::binary;
 use crate::common::methods;
@@ -17,12 +17,12 @@ struct Run {
 }
 
 impl Run {
-    /// Largest stress at the left end, Pa.
+    /// Returns the largest compressive stress at the left end, Pa.
     fn peak(&self) -> f64 {
         self.left.stress.iter().fold(0.0, |most: f64, stress| most.max(stress.abs()))
     }
 
-    /// Stress at the left end at the end of the run, Pa.
+    /// Returns the stress at the left end at the end of the run, Pa.
     fn last(&self) -> f64 {
         *self.left.stress.last().expect("a row")
     }
@@ -55,13 +55,13 @@ const FREE: &str = "kind = \"free\"";
 
 #[test]
 fn a_striker_lighter_than_a_cell_gives_its_momentum_and_no_more() {
-    // 100 cells of 7.8 g; down to a millionth of that.
+    // 100 cells of 7.8 g each; masses down to a millionth of that.
     for method in METHODS {
         for mass in [7.8e-3, 7.8e-4, 1e-6, 1e-9] {
             let striker = format!("kind = \"striker\", mass = {mass:e}, velocity = 5");
             let found = run(method, &bar(0.0), [&striker, FREE], "150 us");
             let momentum = found.ledger.last().expect("a row").energies.momentum;
-            // What is left of the mass's velocity dies away with exp(-Y t/M), or the far end has sent the pulse back by then.
+            // The velocity of the mass has decayed as exp(-Y t/M), or the far end has reflected the pulse by then.
             assert!((momentum / (mass * 5.0) - 1.0).abs() < 1e-4, "{} {mass}: {momentum:e}", method.0);
             let start = 0.5 * mass * 25.0;
             for row in &found.ledger {
@@ -78,7 +78,7 @@ fn a_massive_striker_prescribes_the_velocity() {
         let heavy = run(method, &bar(0.0), ["kind = \"striker\", mass = 1e9, velocity = 8", FREE], "150 us");
         let driven = run(method, &bar(0.0), ["kind = \"velocity\", value = 8", FREE], "150 us");
         let apart = (heavy.last() / driven.last() - 1.0).abs();
-        // A driven end of the leapfrog starts with the exact fan, a struck one with what the grid makes of it.
+        // A driven end of leapfrog starts with the exact fan, a struck one with the solution on the grid.
         let allowed = if method.0 == "leapfrog" { 5e-3 } else { 1e-6 };
         assert!(apart < allowed, "{}: {:e} {:e}", method.0, heavy.last(), driven.last());
     }
@@ -92,15 +92,15 @@ fn a_spring_of_any_stiffness_up_to_a_fixed_end() {
         for stiffness in [1e3, 1e6, 1e8, 1e10, 1e11, 1e13, 1e15] {
             let spring = format!("kind = \"spring\", stiffness = {stiffness:e}");
             let found = run(method, &bar(-10.0), [&spring, FREE], "150 us");
-            // A bilinear bar struck at 10 m/s carries 262 MPa behind its fan; leapfrog overshoots a little on its ramp. With a rate the
-            // elastic answer comes first.
+            // A bilinear bar struck at 10 m/s carries 262 MPa behind its fan; leapfrog overshoots a little. With a rate, the response is elastic at
+            // first.
             let most = if method.0 == "net" { 1.001 * 10.0 * impedance() / AREA } else { 1.1 * 262e6 };
             assert!(found.peak() < most, "{} {stiffness:e}: {:e}", method.0, found.peak());
             assert!(found.peak() > 0.98 * before, "{} {stiffness:e}: {:e} after {before:e}", method.0, found.peak());
             before = found.peak();
             if stiffness > 1e12 {
                 let apart = (found.last() / fixed.last() - 1.0).abs();
-                // As for a massive striker.
+                // The same as for a heavy striker.
                 let allowed = if method.0 == "leapfrog" { 1e-2 } else { 1e-3 };
                 assert!(apart < allowed, "{} {stiffness:e}: {:e} {:e}", method.0, found.last(), fixed.last());
             }
@@ -110,7 +110,7 @@ fn a_spring_of_any_stiffness_up_to_a_fixed_end() {
 
 #[test]
 fn a_dashpot_reflects_as_its_coefficient_says() {
-    // An elastic pulse of 1 m/s: behind its reflection the face moves with 2 Z/(Z + c) v and carries c times that.
+    // An elastic pulse of 1 m/s: behind its reflection the face moves with 2 Z/(Z + c) v and carries a stress of c times that.
     for method in METHODS {
         for part in [0.0, 0.1, 1.0, 10.0, 1e9] {
             let c = part * impedance();
@@ -148,7 +148,7 @@ fn a_dashpot_only_takes_energy() {
             let found = run(method, &bar(-9.0), [&dashpot, "kind = \"fixed\""], "1 ms");
             let mut least = 0.0;
             for row in &found.ledger {
-                // Of the bar's energy at the start; the rest is rounding.
+                // Relative to the initial energy of the bar; the rest is rounding.
                 assert!(row.work_left <= least + 1e-9 * 39.0, "{} {part}: {:e} {least:e}", method.0, row.work_left);
                 least = row.work_left;
             }
@@ -157,7 +157,7 @@ fn a_dashpot_only_takes_energy() {
     }
 }
 
-/// Stress in the left of two bars that meet at 1 m/s between fixed ends, over rho c0 v; x in lengths of a bar, t in transits.
+/// Returns the stress in the left of two bars that meet at 1 m/s between fixed ends, relative to rho c0 v; x in lengths of a bar, t in transits.
 fn between_walls(x: f64, t: f64) -> f64 {
     let t = t % 3.0;
     let (pressed, pulled) = if t < 1.0 {
@@ -203,7 +203,7 @@ fn a_contact_that_opens_and_closes_stays_exact() {
                     size += exact(at(k)).abs();
                 }
             }
-            // What sampling costs, in cell means; and half a cell of one front where the fronts stand on the grid.
+            // Error of sampling cell means, and half a cell of one front where the fronts coincide with the grid.
             let allowed = 2.0 * sampled / size + 0.5 / half as f64;
             assert!(missed / size < allowed, "{cells} cells, {until} s: {:.4} for {allowed:.4}", missed / size);
         }
@@ -275,7 +275,7 @@ fn waves_do_not_stop_between_blocks_where_forces_act_along_the_bar() {
 
 #[test]
 fn the_grid_filter_takes_as_much_at_any_courant_number() {
-    // The same front through the same cells, in three times as many steps.
+    // The same front crosses the same cells, in three times as many steps.
     let taken = |cfl: f64| {
         let method =
             ("leapfrog", Box::leak(format!("cells = 400, cfl = {cfl}").into_boxed_str()) as &str, METHODS[0].2);
@@ -283,6 +283,6 @@ fn the_grid_filter_takes_as_much_at_any_courant_number() {
         found.ledger.last().expect("a row").energies.numerical
     };
     let [one, third] = [0.9, 0.3].map(taken);
-    // The scheme's own ripples differ a little with the Courant number; by step the filter took three times as much.
+    // The ripples of the scheme vary a little with the Courant number. A filter applied per step would dissipate three times as much.
     assert!((third / one - 1.0).abs() < 0.6, "{one:e} {third:e}");
 }

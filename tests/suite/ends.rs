@@ -1,4 +1,4 @@
-//! What every kind of end must do.
+//! Properties of every kind of end with leapfrog.
 
 use crate::common;
 
@@ -8,10 +8,10 @@ use barwave::scene::HardeningRule;
 use barwave::solver::fd::{Leapfrog, Quantity};
 use common::{DENSITY, MODULUS};
 
-/// A ball of some decimetres on a bar of 0.7 m^2.
+/// Contact of a ball with a radius of some decimetres with a bar of 0.7 m^2.
 const BALL: Hertz = Hertz { radius: 0.3, modulus: 100e9 };
 
-/// One of every kind, none of which does anything to a bar at rest.
+/// Returns an end of every kind, none of which acts on a bar at rest.
 fn idle_ends() -> Vec<EndCondition> {
     vec![
         common::moved(0.0),
@@ -28,7 +28,7 @@ fn idle_ends() -> Vec<EndCondition> {
     ]
 }
 
-/// Ends of every kind, balls among them.
+/// Returns ends of every kind, including balls.
 fn busy_ends() -> Vec<EndCondition> {
     let balls = [
         EndCondition::Ball { mass: 900.0, velocity: 60.0, contact: BALL },
@@ -45,7 +45,7 @@ fn impedance() -> f64 {
     DENSITY * c0()
 }
 
-/// 1 m of the bilinear steel, which yields at 200 MPa, with the given initial velocity, in 600 cells.
+/// Returns 1 m of the bilinear steel, which yields at 200 MPa, with this initial velocity, in 600 cells.
 fn bar(ends: [EndCondition; 2], velocity: f64, cfl: f64) -> Leapfrog {
     bar_of(600, ends, velocity, cfl)
 }
@@ -74,7 +74,7 @@ fn rest_stays_rest() {
 
 #[test]
 fn even_motion_stays_even() {
-    // All ends that let a bar pass that moves at 3 m/s in +x: it moves away from the wall at its left.
+    // All ends that do not affect a bar moving at 3 m/s in +x: it moves away from the wall at its left.
     let ends = || {
         [common::moved(3.0), EndCondition::Free, EndCondition::Absorbing, common::loaded_by(&[(0.0, 0.0)])].into_iter()
     };
@@ -92,7 +92,7 @@ fn even_motion_stays_even() {
 fn the_ledger_closes_for_every_pair_of_ends() {
     for (k, left) in busy_ends().into_iter().enumerate() {
         for (j, right) in busy_ends().into_iter().enumerate() {
-            // The solver steps cells in blocks; 90 cells are one block, which has both ends.
+            // The solver steps cells in blocks; a bar of 90 cells is one block that contains both ends.
             for (cells, velocity, cfl) in [(600, 0.0, 1.0), (600, -9.0, 0.83), (90, 7.0, 1.0)] {
                 let mut bar = bar_of(cells, [left.clone(), right.clone()], velocity, cfl);
                 let mut ledger = Ledger::new(&bar);
@@ -106,12 +106,12 @@ fn the_ledger_closes_for_every_pair_of_ends() {
     }
 }
 
-/// Round-off of sums over some thousand steps.
+/// Allows for rounding of sums over some thousand steps.
 fn assert_close(found: f64, expected: f64, what: &str) {
     assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{what}: {found:e} is not {expected:e}");
 }
 
-/// Ramps and a jump at times that no time step hits.
+/// Ramps and a jump at times that do not coincide with time steps.
 const ROWS: [(f64, f64); 5] = [(1.13e-5, 0.0), (3.71e-5, 4.0), (6.17e-5, 4.0), (6.17e-5, -2.0), (1.017e-4, 0.0)];
 /// Integral of the rows over time.
 const INTEGRAL: f64 = 0.5 * (3.71e-5 - 1.13e-5) * 4.0 + (6.17e-5 - 3.71e-5) * 4.0 - 0.5 * (1.017e-4 - 6.17e-5) * 2.0;
@@ -132,7 +132,7 @@ fn a_prescribed_stress_gives_its_impulse_exactly() {
     for cfl in [1.0, 0.7] {
         let mut bar = bar([common::loaded_by(&rows), common::loaded_by(&rows)], 0.0, cfl);
         common::advance_to(&mut bar, 1.2e-4);
-        // On 0.7 m^2; a compression at the left end pushes in +x.
+        // On 0.7 m^2; a compression at the left end accelerates the bar in +x.
         assert_close(bar.left().impulse(), -0.7 * 60e6 * INTEGRAL, "left");
         assert_close(bar.right().impulse(), 0.7 * 60e6 * INTEGRAL, "right");
     }
@@ -160,7 +160,7 @@ fn an_absorbing_end_leaves_nothing_of_an_elastic_pulse() {
             let passing = if at_left { bar.left().stress() } else { bar.right().stress() };
             assert!(passing.abs() > 10e6, "{passing:e}");
             common::advance_to(&mut bar, 1.0 / c0() + 1.1e-4);
-            // 160 MPa went through; a thousand roundings are left.
+            // After a pulse of 160 MPa, only rounding of a thousand steps remains.
             let most = common::profile(&bar, Quantity::Stress).into_iter().fold(0.0, |m: f64, s| m.max(s.abs()));
             assert!(most < 1e-12 * 160e6, "{most:e}");
             let moves = |v: &f64| (v - velocity).abs() < 1e-12 * 10.0;
@@ -186,7 +186,7 @@ fn a_wall_never_pulls_and_is_never_passed() {
                     left_at = bar.time();
                 }
             }
-            // The first push is rho c0 v where that is below yield, and more than yield otherwise.
+            // The first stress is rho c0 v if that is below yield, and above the yield stress otherwise.
             let elastic = impedance() * speed;
             let right = if elastic < 200e6 { (pushed + elastic).abs() < 0.2 * elastic } else { pushed < -200e6 };
             assert!(right, "{speed} {gap}: {pushed:e}");
@@ -224,9 +224,9 @@ fn a_gap_closes_when_the_bar_has_crossed_it() {
     }
 }
 
-/// Every blow may leave a zigzag from node to node, which at Courant number 1 elastic cells keep for nothing (the scheme's form
-/// of the kinetic energy is negative there): a hundred of them sum up to a million times the bar's energy. At the Courant
-/// number that scenes with gaps have, they do not.
+/// Each impact may excite an odd-even mode, which elastic cells conserve at Courant number 1 (where the scheme's form of the kinetic energy is
+/// negative for it): after a hundred impacts it would reach a million times the energy of the bar. At the Courant number used for scenes with gaps it
+/// does not grow.
 #[test]
 fn an_elastic_bar_between_two_walls_does_not_ring_up() {
     let mut bar = bar_of(400, [EndCondition::Wall { gap: 1.0e-3 }, EndCondition::Wall { gap: 1.23e-3 }], 3.0, 0.995);
@@ -238,9 +238,9 @@ fn an_elastic_bar_between_two_walls_does_not_ring_up() {
             largest = largest.max(bar.energies().elastic);
         }
     }
-    // All of the motion is stored for a moment in a blow, and no more than all.
+    // During an impact, the whole kinetic energy is stored for a moment, and no more than that.
     assert!(largest > 0.9 * start && largest < 1.02 * start, "{largest} of {start}");
-    // A node that comes to rest at a wall loses its motion: of the first order in the cell size, in a hundred blows.
+    // A node that comes to rest at a wall loses its kinetic energy: an error of first order in the cell size, over a hundred impacts.
     let (now, lost) = (bar.energies(), -bar.left().work() - bar.right().work());
     assert!(now.kinetic > 0.0 && lost > 0.0 && lost < 0.02 * start, "{now:?} {lost}");
     assert!(((now.total() + lost) / start - 1.0).abs() < 1e-10, "{now:?} {lost}");
@@ -258,7 +258,7 @@ fn a_released_end_is_free() {
         assert!(bar.left().stress() < -0.99 * (impedance() * velocity).min(200e6));
         common::advance_to(&mut bar, release + 2.0 * dt);
         assert_eq!(bar.left().stress(), 0.0);
-        // Without a stress nothing more is done on the bar.
+        // Without a stress, no further work is done on the bar.
         let (work, impulse) = (bar.left().work(), bar.left().impulse());
         common::advance(&mut bar, 500);
         assert_eq!((bar.left().stress(), bar.left().work(), bar.left().impulse()), (0.0, work, impulse));
@@ -272,22 +272,22 @@ fn a_released_elastic_bar_got_the_impulse_of_the_time_it_was_held() {
     let held = EndCondition::Velocity { history: History::constant(4.0), release: Some(release) };
     let mut bar = bar([held, EndCondition::Free], 0.0, 1.0);
     common::advance_to(&mut bar, 1.5e-4);
-    // rho c0 v A for the time of release, to the last bit but round-off.
+    // rho c0 v A times the time of release, exact except for rounding.
     assert_close(bar.left().impulse(), 0.7 * impedance() * 4.0 * release, "impulse");
 }
 
 /// Mass of the bar, kg.
 const MASS: f64 = DENSITY * 0.7;
 
-/// A mass m times the bar's, with velocity 1 m/s (elastic), on the left end.
+/// Returns a bar whose left end is struck by a mass of m times its own, at 1 m/s (elastic).
 fn struck(m: f64, far: EndCondition, cells: usize) -> Leapfrog {
     bar_of(cells, [EndCondition::Striker { mass: m * MASS, velocity: 1.0 }, far], 0.0, 1.0)
 }
 
-/// A gap that is more than rounding, m: displacements are some 1e-4 m.
+/// Smallest gap that is not rounding, m; displacements are about 1e-4 m.
 const APART: f64 = 1e-15;
 
-/// Velocity of the striker once it has let go, and when it did, in transits.
+/// Returns the velocity of the striker after the contact, and the time at which the contact ends, in transits.
 fn after_contact(bar: &mut Leapfrog) -> (f64, f64) {
     let transit = 1.0 / c0();
     while bar.time() < 12.0 * transit {
@@ -310,13 +310,13 @@ fn a_striker_leaves_a_free_bar_as_theory_says() {
             assert!((time - 2.0).abs() < 3.0 / cells as f64, "{m}: lets go at {time}");
             common::advance_to(&mut bar, 2.5 / c0());
             let (velocity, _) = bar.left().striker().expect("there");
-            // The bar's mean velocity less the mass's.
+            // Mean velocity of the bar minus that of the mass.
             let restitution = bar.energies().momentum / MASS - velocity;
             assert!((velocity * m + bar.energies().momentum / MASS - m).abs() < 1e-11 * m, "momentum");
             (restitution - (m * (1.0 - left) - left)).abs()
         };
         let [coarse, fine] = [100, 400].map(missed);
-        // At Courant number 1 everything is exact: the wave that frees the mass arrives between two steps.
+        // At Courant number 1 the solution is exact; the wave that ends the contact arrives between two steps.
         assert!(coarse.max(fine) < 1e-13, "{m}: {coarse:e} {fine:e}");
     }
 }
@@ -344,13 +344,13 @@ fn a_striker_on_a_fixed_bar_has_the_tabulated_contact() {
             found.expect("it lets go")
         };
         let step = 1.0 / f64::from(cells);
-        // Seen at the end of a step.
+        // The end of contact is detected at the end of a step.
         assert!((time - numbers[1]).abs() < 2.0 * step, "{row}: contact {time}");
-        // In a step the striker's force falls by 1/(m cells), and a sharp peak is spread over some of them.
+        // The force of the striker decreases by 1/(m cells) per step, and a sharp peak spreads over some steps.
         let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < (0.5 + 3.5 / numbers[0]) * step;
         assert!(near(largest[0], numbers[2]), "{row}: struck end {}", largest[0]);
         assert!(near(largest[1], numbers[3]), "{row}: fixed end {}", largest[1]);
-        // Second order: a few steps squared, and the table's last digit.
+        // Second order: the square of a few steps, and the last digit of the table.
         assert!((velocity - numbers[4]).abs() < 1e-5, "{row}: velocity {velocity}");
     }
 }
@@ -384,8 +384,8 @@ fn what_a_body_loses_the_bar_gets() {
                 let body = device(&bar);
                 let missing = start - body.body_energy() - body.work();
                 let scale = start.max(body.work().abs());
-                // A striker and a node that meet lose half the node's mass times the square of their difference: up to
-                // 21 m/s and a 1200th of the bar, a few times.
+                // A striker that meets a node loses half the mass of the node times the square of the difference in velocity: up to 21 m/s and 1/1200
+                // of the bar, several times.
                 let allowed = if loses_at_contact { 5.0 * 0.5 * MASS / 1200.0 * 21.0 * 21.0 } else { 1e-11 * scale };
                 assert!(
                     missing >= -1e-11 * scale && missing <= allowed,
@@ -408,11 +408,11 @@ fn a_spring_brings_a_moving_bar_to_rest_exponentially() {
         (bar.left().displacement() / stretch - 1.0).abs()
     };
     let [coarse, fine] = [100, 200].map(missed);
-    // At Courant number 1 the spring's weight makes it exact.
+    // At Courant number 1 the integration weights of the spring are exact.
     assert!(coarse.max(fine) < 1e-13, "{coarse:e} {fine:e}");
 }
 
-/// Two bars laid together, `gap` apart; the first one flies at the second.
+/// Returns two bars that are `gap` apart, of which the first one flies towards the second.
 fn two_bars(short: f64, gap: f64, velocity: f64, cells: usize, cfl: f64) -> Leapfrog {
     let first =
         Segment::new(short, 0.7, common::bilinear_steel()).with_velocity(velocity).with_joint(Joint::Contact { gap });
@@ -423,7 +423,7 @@ fn two_bars(short: f64, gap: f64, velocity: f64, cells: usize, cfl: f64) -> Leap
 
 #[test]
 fn two_elastic_bars_touch_for_two_transits_of_the_shorter() {
-    // As many cells as give both bars the same: at Courant number 1 in all of them, elastic waves keep their shape.
+    // Numbers of cells with which the cells of both bars are equal: elastic waves keep their shape at Courant number 1.
     for (short, gap, cells) in [(0.4, 0.0, 1400), (0.25, 1e-4, 1000)] {
         let mut bar = two_bars(short, gap, 1.0, cells, 1.0);
         let mut ledger = Ledger::new(&bar);
@@ -432,7 +432,7 @@ fn two_elastic_bars_touch_for_two_transits_of_the_shorter() {
             bar.advance();
             let joint = bar.contacts().next().expect("one");
             assert!(joint.force <= 0.0 && joint.gap >= 0.0);
-            // Faces that touch at rest share the rounding.
+            // The force between faces that touch at rest is rounding.
             if joint.force < -1e-6 * 0.7 * impedance() {
                 first = if first.is_nan() { bar.time() } else { first };
                 last = bar.time();
@@ -443,7 +443,7 @@ fn two_elastic_bars_touch_for_two_transits_of_the_shorter() {
         let dt = bar.grid().dt;
         assert!(((last - first) * c0() - 2.0 * short).abs() < 4.0 * dt * c0(), "{} {short}", (last - first) * c0());
         assert!((first - gap).abs() < 3.0 * dt, "{first} {gap}");
-        // The shorter bar is at rest, but for what half a step at the start and the end of the contact is worth.
+        // The shorter bar is at rest, up to the effect of half a step at the start and the end of the contact.
         let part = bar.grid().segments[0].cells.len();
         let momentum: f64 = common::profile(&bar, Quantity::Velocity)[..part].iter().sum::<f64>() / part as f64;
         assert!(momentum.abs() < 5.0 / part as f64, "{momentum}");
@@ -464,7 +464,7 @@ fn contact_joints_keep_the_ledger_of_plastic_bars() {
         }
         common::assert_ledger(&ledger, &format!("{short} {gap} {velocity}"));
         let lost = bar.energies().concentrated / start;
-        // Faces that meet lose the motion of half a cell each, a few times.
+        // Faces that meet lose the kinetic energy of half a cell each, several times.
         assert!(lost > -1e-3 && lost < 1e-2, "{lost}");
         assert!(velocity > 0.0 || bar.contacts().all(|joint| joint.force == 0.0 && joint.gap > gap));
     }
@@ -472,14 +472,14 @@ fn contact_joints_keep_the_ledger_of_plastic_bars() {
 
 #[test]
 fn a_joint_in_tension_opens() {
-    // A compression pulse comes back from the far end as tension and parts the piece there: it keeps the pulse.
+    // A compression pulse returns from the far end as tension and opens the joint: the outer piece retains the pulse.
     let pulse = common::loaded_by(&[(0.0, -50e6), (0.3 / c0(), -50e6), (0.3 / c0(), 0.0)]);
     let first = common::segment(common::bilinear_steel(), 1.0).with_joint(Joint::Contact { gap: 0.0 });
     let segments = vec![first, common::segment(common::bilinear_steel(), 0.5)];
     let mut bar = common::leapfrog(segments, [pulse, EndCondition::Free], None, 1500, 1.0);
     common::advance_to(&mut bar, 4.0 / c0());
     let joint = bar.contacts().next().expect("one");
-    // Twice the pulse's velocity whenever it is at the face, which is for 0.3 of every transit and back, from 2 on.
+    // Twice the velocity of the pulse whenever it is at the face, which is for 0.3 of every two transits, from 2 transits on.
     let velocity = 50e6 / impedance();
     let gap = 2.0 * velocity * (2.0 * 0.3) / c0();
     assert!((joint.gap / gap - 1.0).abs() < 1e-2, "{} {gap}", joint.gap);

@@ -1,5 +1,5 @@
-//! The error estimate of front tracking, a safety factor times the difference from a companion, against the true error: the difference
-//! from a run with a hundredth of the tolerance.
+//! The error estimate of front tracking, a safety factor times the difference from a companion run, compared with the true error: the difference from
+//! a run with a hundredth of the tolerance.
 
 use crate::common::long_bars;
 
@@ -18,13 +18,13 @@ use serde_json::Value;
 
 use long_bars::{Case, cases, error, estimate};
 
-/// Most that the estimate may be, over the true error.
+/// Largest allowed ratio of the estimate to the true error.
 const LOOSEST: f64 = 3.0;
 
-/// Most events of a true run: a few seconds.
+/// Largest number of events of a reference run: a few seconds.
 const MOST_EVENTS: u64 = 3_000_000;
 
-/// Bars whose true run at 3e-4 stays below that; `docs/front-tolerance.md` has the others.
+/// Bars whose reference run at 3e-4 stays below that; `docs/front-tolerance.md` has the others.
 const QUICK: [&str; 6] = [
     "released, fixed",
     "released, mixed",
@@ -34,7 +34,7 @@ const QUICK: [&str; 6] = [
     "yield plateau",
 ];
 
-/// Relative L1 error of the end, the larger of those of stress and plastic strain, and estimate.
+/// Returns the relative L1 error at the end time, the larger of those of stress and plastic strain, and its estimate.
 fn measure(case: &Case, tolerance: f64) -> (f64, f64) {
     let run = |tolerance| {
         let (run, ended) = case.run(tolerance, MOST_EVENTS);
@@ -56,7 +56,7 @@ fn the_estimate_is_never_below_the_error_and_no_more_than_three_times_above_it()
             let (error, estimate) = measure(&case, tolerance);
             let line = format!("{} at {tolerance}: error {error:.2e}, estimate {estimate:.2e}", case.name);
             println!("{line}");
-            // Both are 0 for the bar whose curve has a level part: it has nothing to be merged.
+            // Both are 0 for the bar whose curve has a level part, in which no fronts are merged.
             if estimate < error || estimate > LOOSEST * error {
                 wrong.push(line);
             }
@@ -83,7 +83,7 @@ method = "moc"
 front-tolerance = 0.1
 "#;
 
-/// A hard segment that is pushed, and a soft one that takes a hundredth of its stress.
+/// A hard segment that is pushed, and a soft one that receives a hundredth of its stress.
 const SOFT_BESIDE_HARD: &str = r#"
 [[bar.segment]]
 length = 0.1
@@ -119,7 +119,7 @@ fn response(text: &str, tolerance: f64) -> Response {
     respond(&scene.bar, &mut bar, course, |_, _| Ok::<_, Infallible>(())).expect("it comes to its end").0
 }
 
-/// Merging relative to the stress of the hard segment would make one of most of what is in the soft one.
+/// Merging relative to the stress of the hard segment would merge most fronts of the soft one into one.
 #[test]
 fn a_soft_segment_keeps_its_plastic_strain() {
     let [run, truth] = [1e-2, 1e-4].map(|tolerance| response(SOFT_BESIDE_HARD, tolerance));
@@ -129,8 +129,8 @@ fn a_soft_segment_keeps_its_plastic_strain() {
     assert!(stress < 1e-3 && plastic < 1e-2, "stress {stress:.1e}, plastic strain {plastic:.1e}");
 }
 
-/// Where the plastic strain changes just beside a joint or an end, waves would reverberate in the sliver between the two for good: ten
-/// times the tolerance would take three times the events.
+/// If the plastic strain changes close to a joint or an end, waves must not reverberate without end in the sliver between the two: ten times the
+/// tolerance would require three times the events.
 #[test]
 fn waves_do_not_reverberate_beside_a_joint_for_good() {
     let case =
@@ -139,7 +139,7 @@ fn waves_do_not_reverberate_beside_a_joint_for_good() {
     assert!(coarse < 2 * fine, "{coarse} {fine}");
 }
 
-/// With three times the tolerance the same waves are merged: that companion differs in nothing, and only finer ones tell.
+/// With three times the tolerance, the same waves are merged, so that this companion run is identical; only finer ones show the error.
 #[test]
 fn a_run_that_merges_what_its_coarser_companion_merges_states_its_error_all_the_same() {
     let response = |tolerance: f64| response(ON_A_SPRING, tolerance);

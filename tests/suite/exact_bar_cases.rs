@@ -1,11 +1,10 @@
-//! Exact piecewise-constant solutions of bilinear bars with unloading and reflections, against the schemes on a grid.
+//! Exact piecewise constant solutions of bilinear bars with unloading and reflections, against the schemes on a grid.
 //!
-//! The cases (`tests/data/exact_bar_cases.json`) are in units of rho = c0 = E = `sigma_y` = 1, so that the yield velocity
-//! is 1 too; they were computed in rational arithmetic by following every wave front.
+//! The cases (`tests/data/exact_bar_cases.json`) are in units of rho = c0 = E = `sigma_y` = 1, so that the yield velocity is 1, too. They were
+//! computed in rational arithmetic by following every wave front.
 //!
-//! Every level of stress and velocity must come out within 2 % of yield, and within 0.5 % on the mean; plastic strain
-//! within 0.03 of the yield strain. All are looked at in the middle half of their interval: the scheme spreads a front over
-//! some cells, and its place is not what is asked here.
+//! Every level of stress and velocity must be within 2 % of yield, and within 0.5 % on average; plastic strain within 0.03 of the yield strain.
+//! Levels are compared in the middle half of their interval, since the scheme spreads a front over some cells and its position is not tested here.
 
 use crate::common;
 use crate::common::exact;
@@ -20,24 +19,24 @@ use exact::{Case, cases, ends, number, numbers};
 
 const CELLS: usize = 2000;
 
-/// Of yield: what any sample of a level may miss it by.
+/// Allowed error of any sample of a level, relative to yield.
 const LEVEL: f64 = 0.02;
-/// Of yield: what a level's mean may be off by, or of the level itself where it is more than yield: the first cells that
-/// a sudden load makes flow come out with an error in proportion to the jump, which then decays along the level.
+/// Allowed error of the mean of a level, relative to yield, or to the level itself if that is above yield: the first cells that yield under a sudden
+/// load have an error proportional to the jump, which decays along the level.
 const MEAN: f64 = 0.005;
-/// Of the yield strain.
+/// Allowed error of plastic strain, relative to the yield strain.
 const PLASTIC: f64 = 0.03;
-/// Of the velocity of impact, or of the yield velocity where nothing strikes.
+/// Allowed error of momentum, relative to that of the impact velocity, or of the yield velocity without an impact.
 const MOMENTUM: f64 = 0.01;
-/// Share of the samples of a level that may lie outside: a front that has zero strength in the exact solution still has
-/// a place and a time, and leaves a trace in a few cells and steps (at most 2 of 1333 in a history).
+/// Allowed fraction of samples of a level with larger errors. A front of zero strength in the exact solution still has a position and a time, and
+/// disturbs a few cells and steps (at most 2 of 1333 in a history).
 const SPOTS: f64 = 0.02;
 
-/// Length that stands for a semi-infinite bar: the fastest wave is at x = 4 when the last case ends, so nothing has
-/// come near the far end. The file's own length (60) would leave 2000 cells too few for a pulse of length 1.
+/// Length of the bar in place of a semi-infinite one: the fastest wave is at x = 4 at the end of the last case, so that none reaches the far end. The
+/// length stated in the file (60) would leave too few cells, less than 2000, for a pulse of length 1.
 const LONG: f64 = 5.0;
 
-/// Length of the bar that a case is run on.
+/// Returns the length of the bar with which a case is run.
 fn length(case: &Case) -> f64 {
     number(&case.length).min(LONG)
 }
@@ -54,21 +53,21 @@ fn bar<S>(case: &Case, build: Build<S>) -> S {
     build(vec![segment], ends(case), Some(hardening), CELLS, 1.0)
 }
 
-/// Makes a bar of a scheme: segments, ends, unloading, cells and Courant number.
+/// Function that builds a bar for a scheme from segments, ends, hardening, number of cells and Courant number.
 type Build<S> = fn(Vec<Segment>, [EndCondition; 2], Option<HardeningRule>, usize, f64) -> S;
 
-/// A level that values should have over a stretch of time or place.
+/// Level that values should have in an interval of time or position.
 struct Level<'a> {
     what: String,
     from: f64,
     to: f64,
     expected: f64,
-    /// (time or place, value).
+    /// Time or position, and value.
     values: &'a [(f64, f64)],
 }
 
 impl Level<'_> {
-    /// Deviations in the middle half of the stretch.
+    /// Returns the deviations in the middle half of the interval.
     fn deviations(&self) -> Vec<f64> {
         let margin = 0.25 * (self.to - self.from);
         let inside = self.values.iter().filter(|p| p.0 > self.from + margin && p.0 < self.to - margin);
@@ -77,7 +76,7 @@ impl Level<'_> {
         deviations
     }
 
-    /// Mean and all but a share of the samples.
+    /// Checks the mean, and all samples except a small fraction.
     fn check(&self, mean_tolerance: f64, tolerance: f64) {
         let deviations = self.deviations();
         let count = deviations.len() as f64;
@@ -91,13 +90,13 @@ impl Level<'_> {
     }
 }
 
-/// Stress and velocity of both ends, step by step.
+/// Stress and velocity at both ends for every step.
 struct Histories {
     stress: [Vec<(f64, f64)>; 2],
     velocity: [Vec<(f64, f64)>; 2],
 }
 
-/// Runs to the end of the case; the ledger is looked at on the way.
+/// Runs to the end of the case, and records the ledger.
 fn histories(bar: &mut impl Stepped, ledger: &mut Ledger, end: f64) -> Histories {
     let mut all = Histories { stress: [Vec::new(), Vec::new()], velocity: [Vec::new(), Vec::new()] };
     while bar.time() < end - 0.5 * bar.grid().dt {
@@ -119,7 +118,7 @@ fn check_histories(case: &Case, histories: &Histories, end: f64) {
         for (k, row) in rows.iter().enumerate() {
             let [from, stress, velocity] = numbers(row);
             let to = rows.get(k + 1).map_or(end, |next| number(&next[0]));
-            // A wave that arrives just as the case ends leaves a level of no length.
+            // A wave that arrives at the end of the case leaves an empty interval.
             if to <= from {
                 continue;
             }
@@ -173,7 +172,7 @@ fn check<S: Stepped>(name: &str, build: Build<S>) {
     check_histories(case, &histories, end);
     check_profiles(case, &bar);
     common::assert_ledger(&ledger, name);
-    // Where a bar strikes, momentum over mass and velocity of impact is the coefficient of restitution.
+    // For an impact, momentum divided by mass and impact velocity is the coefficient of restitution.
     let strike = number(&case.velocity).abs();
     let scale = if strike > 0.0 { strike * bar_mass } else { 1.0 };
     let missed = (bar.account().energies.momentum - number(&case.momentum)) / scale;

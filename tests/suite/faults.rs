@@ -1,4 +1,4 @@
-//! Faults around a run, through the real binary: closed output, places that must not be replaced, full disks, files that are no files.
+//! Failures around a run through the real binary: closed output, outputs that must not be replaced, full disks, special files.
 #![cfg(unix)]
 
 use crate::common::binary;
@@ -16,7 +16,7 @@ use binary::barwave;
 const SCENE: &str = "[bar]\nlength = 1\nmaterial = \"mild-steel\"\n[left]\nkind = \"velocity\"\nvalue = -1\n[right]\n\
                      kind = \"free\"\n[solve]\nuntil = \"50 us\"\ncells = 100\n";
 
-/// A folder with `s.toml`, a run of milliseconds, and `long.toml`, one of half a second and 14 MB.
+/// Returns a folder with `s.toml`, a run of milliseconds, and `long.toml`, one of half a second and 14 MB.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let long = SCENE.replace("50 us", "20 ms").replace("cells = 100\n", "cells = 2000\n");
@@ -25,14 +25,14 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
-/// A command of the program in a folder.
+/// Returns a command of the program in a folder.
 fn program(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_barwave"));
     command.args(arguments).current_dir(folder).env_remove("BARWAVE_MATERIALS").stdin(Stdio::null());
     command
 }
 
-/// What a command says within a time that no fault may exceed.
+/// Returns the output of a command, which must end within this time.
 fn within_seconds(mut command: Command, seconds: u64) -> Output {
     let mut child: Child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     let started = Instant::now();
@@ -50,7 +50,7 @@ fn message(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Exit code, one error, and the words in it.
+/// Checks the exit code and that there is one error, which contains the words.
 fn assert_fails(output: &Output, code: i32, words: &[&str]) {
     let text = message(output);
     assert_eq!(output.status.code(), Some(code), "{text}");
@@ -106,7 +106,7 @@ fn a_full_device_as_output_is_one_error() {
         } else {
             assert_fails(&output, 1, &["stdout: No space left on device"]);
         }
-        // Where stderr is full as well, nothing can be said.
+        // If stderr is full as well, no message can be written.
         let _ = std::fs::remove_file(folder.path().join("fresh.toml"));
         let silent = program(folder.path(), arguments).stdout(full()).stderr(full()).status().expect("it starts");
         assert_eq!(silent.code(), Some(1), "{arguments:?}");
@@ -145,7 +145,7 @@ fn nothing_but_files_is_replaced() {
             let after = at(arguments[arguments.len() - 1]).symlink_metadata().expect("it stands").file_type();
             assert_eq!(before, after, "{arguments:?}");
         }
-        // `new` writes what does not exist, whatever it is.
+        // `new` refuses an existing path of any kind.
         assert_fails(&barwave(folder.path(), &["new", name]), 2, &["exists already"]);
     }
     assert_fails(&barwave(folder.path(), &["run", "s.toml", "-o", "-"]), 2, &["-o", "standard output"]);
@@ -165,11 +165,11 @@ fn a_result_replaces_results_and_nothing_else_unless_forced() {
         assert_eq!(std::fs::read(path(name)).expect("a file"), before, "{name}");
         let arguments = ["run", "s.toml", "-o", name, "--quiet"];
         assert!(barwave(folder.path(), &[&arguments[..], &["--force"]].concat()).status.success());
-        // Now it is a result: the next run needs no leave.
+        // It is now a result file, which the next run may replace.
         assert!(barwave(folder.path(), &arguments).status.success());
         assert_eq!(ResultFile::open(&path(name)).expect("a result").metadata().outcome, "done");
     }
-    // An empty file holds nothing that could be lost; a link is written through.
+    // An empty file may be replaced, since it has no content; a link is written through.
     std::fs::write(path("empty.h5"), "").expect("written");
     std::os::unix::fs::symlink("empty.h5", path("link.h5")).expect("made");
     assert!(barwave(folder.path(), &["run", "s.toml", "-o", "link.h5"]).status.success());
@@ -177,7 +177,7 @@ fn a_result_replaces_results_and_nothing_else_unless_forced() {
     assert!(ResultFile::open(&path("empty.h5")).is_ok());
 }
 
-/// An HDF5 file that barwave did not write.
+/// Creates an HDF5 file that barwave did not write.
 fn hdf5_file(path: &Path) {
     let file = unlocked().create(path).expect("a file");
     file.new_dataset::<f64>().shape(3).create("a").expect("a dataset").write_raw(&[1.0, 2.0, 3.0]).expect("written");
@@ -215,7 +215,7 @@ fn default_outputs_of_different_runs_differ() {
     assert!(one != other && one.len() < 200, "{one}");
 }
 
-/// Starts the long run, and gives it until its first frames are on the disk.
+/// Starts the long run and waits until its first frames are on the disk.
 fn start_long(folder: &Path, output: &str) -> Child {
     let mut command =
         program(folder, &["run", "long.toml", "--quiet", "-o", output, "--set", "solve.until=\"200 ms\""]);
@@ -249,7 +249,7 @@ fn two_runs_to_one_file_are_an_error_of_the_second() {
     assert_fails(&barwave(folder.path(), &["report", "a.h5"]), 2, &["locked by the run that writes it"]);
     first.kill().expect("stopped");
     first.wait().expect("ended");
-    // What a killed run leaves can be replaced.
+    // The file of a killed run can be replaced.
     assert!(barwave(folder.path(), &["run", "s.toml", "-o", "a.h5", "--quiet"]).status.success());
 }
 
@@ -267,13 +267,13 @@ fn of_runs_that_start_together_one_at_most_succeeds() {
         let done = outputs.iter().filter(|output| output.status.success()).count();
         let texts: Vec<String> = outputs.iter().map(message).collect();
         let file = ResultFile::open(&folder.path().join(&name));
-        // One after the other is no clash.
+        // Runs one after the other do not conflict.
         assert!(done >= 1 || texts.iter().all(|text| text.contains("error: ")), "{texts:?}");
         assert!(done == 0 || file.is_ok_and(|file| file.metadata().outcome == "done"), "{texts:?}");
     }
 }
 
-/// The frames of a run that the disk stopped, and that it says so.
+/// Checks that the frames of a run stopped by the disk are stored, and that its message says so.
 fn assert_kept(path: &Path, output: &Output, words: &[&str]) {
     assert_fails(output, 1, words);
     let file = ResultFile::open(path).expect("a result file");
@@ -301,7 +301,7 @@ fn a_file_that_may_not_grow_keeps_its_frames() {
     );
 }
 
-/// A mount of 6 MB, gone with the value.
+/// File system of 6 MB, unmounted when the value is dropped.
 struct SmallDisk<'a>(&'a Path);
 
 impl Drop for SmallDisk<'_> {
@@ -361,7 +361,7 @@ fn a_scene_from_a_pipe_is_read() {
     let script = format!("'{}' run <(cat s.toml) --quiet", env!("CARGO_BIN_EXE_barwave"));
     assert!(Command::new("bash").args(["-c", &script]).current_dir(path).status().expect("bash").success());
     assert!(["a.h5", "b.h5", "scene.h5"].iter().all(|name| path.join(name).is_file()));
-    // The name of a run without a file, and errors in one.
+    // The name of a run that has no file, and errors in a file.
     let mut child =
         program(path, &["run", "-"]).stdin(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
     child.stdin.take().expect("a pipe").write_all(SCENE.replace("100\n", "1\n").as_bytes()).expect("written");

@@ -1,4 +1,4 @@
-//! Forces, contact, gauges, residual deformation and rebound of exact cases, by every method, through the program itself.
+//! Forces, contact, gauges, residual deformation and rebound in exact cases, with every method, through the program.
 
 use crate::common::binary;
 use crate::common::exact;
@@ -12,22 +12,22 @@ use serde_json::Value;
 const LENGTH: f64 = 0.5;
 const CELLS: f64 = 100.0;
 
-/// Elastic transit time of the bar, s.
+/// Returns the elastic transit time of the bar, s.
 fn transit() -> f64 {
     LENGTH * AREA * 7800.0 / impedance()
 }
 
-/// kg.
+/// Returns the mass of the bar, kg.
 fn mass() -> f64 {
     7800.0 * AREA * LENGTH
 }
 
-/// The figures of a scene.
+/// Returns the figures of a scene.
 fn summary(name: &str, scene: &str, output: &[&str]) -> Value {
     whole_summary(name, scene, output)["figures"].clone()
 }
 
-/// The summary of a scene.
+/// Returns the summary of a scene.
 fn whole_summary(name: &str, scene: &str, output: &[&str]) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("scene.toml"), scene).expect("a folder to write to");
@@ -41,7 +41,7 @@ fn whole_summary(name: &str, scene: &str, output: &[&str]) -> Value {
     summary
 }
 
-/// The result file opens; every number of the summary is in it is checked by `tests/python`.
+/// Opens the result file; `tests/python` checks that it contains every number of the summary.
 fn assert_file(path: &std::path::Path, figures: &Value) {
     ResultFile::open(path).expect("a result");
     assert!(figures.is_object());
@@ -72,8 +72,8 @@ const WALL: &str = "kind = \"wall\"";
 /// Rounding of sums over some hundred steps.
 const ROUNDING: f64 = 1e-9;
 
-/// Bodies that part at once. The grid computes with lengths that waves cross in whole steps, here up to 0.3 % away from those of the scene: the
-/// mass that this gave to a body was missing in its momentum, and that was the impulse of the joint.
+/// Two bodies separate at once. The grid rounds lengths to whole steps of transit time, here by up to 0.3 %: the mass that this adds to a body must
+/// be included in its momentum, as it would otherwise appear as an impulse of the joint.
 #[test]
 fn a_joint_that_carries_no_force_has_no_impulse() {
     let segment = |length: f64, material: &str, more: &str| {
@@ -91,7 +91,7 @@ fn a_joint_that_carries_no_force_has_no_impulse() {
     }
 }
 
-/// Front tracking gave the stress on the section to the right, and behind tapers that of a piece of it as if it were on the section of the end.
+/// Every method gives the stress on the section to the left of a joint, also behind a taper, whose pieces have other sections.
 #[test]
 fn joints_in_torsion_show_the_stress_to_their_left_by_every_method() {
     let steel =
@@ -103,7 +103,7 @@ fn joints_in_torsion_show_the_stress_to_their_left_by_every_method() {
     let scene = format!(
         "{bar}[left]\nkind = \"velocity\"\nvalue = \"100 rad/s\"\n[right]\nkind = \"absorbing\"\n[solve]\nuntil = \"100 us\"\n"
     );
-    // Moments of area of the left and the right tube: of what comes, the joint carries 2 J_r/(J_l + J_r).
+    // Moments of area of the left and the right tube: the joint transmits 2 J_r/(J_l + J_r) of the incident stress.
     let [left, right] = [0.016_f64, 0.01].map(|inside| 0.02_f64.powi(4) - inside.powi(4));
     let incoming = -7800.0 * (80e9_f64 / 7800.0).sqrt() * 100.0 * 0.01;
     for solve in ["cells = 200", "cells = 200\nscheme = \"muscl\"", "method = \"moc\""] {
@@ -113,8 +113,8 @@ fn joints_in_torsion_show_the_stress_to_their_left_by_every_method() {
     }
 }
 
-/// By the net a taper is cut into pieces: the joint behind it was looked for under its number among these, and what it showed was the stress in the
-/// last piece. The note on what moves apart gave that number, too.
+/// The net cuts a taper into pieces. A joint behind a taper keeps its own number, not that among the pieces, also in the note on separation; its
+/// stress is not that in the last piece.
 #[test]
 fn joints_behind_a_taper_keep_their_number_on_a_net() {
     let segment = |area: &str, more: &str| {
@@ -131,8 +131,8 @@ fn joints_behind_a_taper_keep_their_number_on_a_net() {
     assert!(notes.contains("move apart at joint 1 "), "{notes}");
 }
 
-/// A cone whose velocity grows along it has the momentum of its mass: the plain mean of the velocity gave an impulse 48 % too large, and a restitution of
-/// 0.40 for 0.58.
+/// A cone whose velocity increases along it has the momentum of its mass distribution: the plain mean of the velocity would give an impulse 48 % too
+/// large, and a restitution of 0.40 instead of 0.58.
 #[test]
 fn a_cone_that_moves_unevenly_has_the_momentum_of_its_mass() {
     let cone = format!(
@@ -150,7 +150,7 @@ fn a_cone_that_moves_unevenly_has_the_momentum_of_its_mass() {
     }
 }
 
-/// The velocity of a ball on a lever was that of the surface, a fifth of its own, and its torque was missing.
+/// A ball on a lever has its own velocity, not that of the surface (a fifth of it), and a torque.
 #[test]
 fn a_ball_on_a_lever_has_its_own_velocity() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/ball-on-lever.toml");
@@ -160,7 +160,7 @@ fn a_ball_on_a_lever_has_its_own_velocity() {
     assert_near("torque", &end["peak_torque_N_m"], -3.219, 0.01);
 }
 
-/// A contact of 2.6 time steps had a force 44 % too small, without a word.
+/// A contact of 2.6 time steps, whose force is 44 % too small, is noted.
 #[test]
 fn a_contact_of_a_few_steps_is_noted() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/ball-on-bar.toml");
@@ -171,8 +171,8 @@ fn a_contact_of_a_few_steps_is_noted() {
     assert!(notes(&small).contains("or 2.6 time steps: its peak force can be in error"), "{}", notes(&small));
 }
 
-/// An elastic bar of length L leaves a rigid wall after 2 L/c0 with its velocity reversed. Every method is exact at Courant number 1, but for
-/// the step in which an end starts to carry.
+/// An elastic bar of length L leaves a rigid wall after 2 L/c0 with its velocity reversed. Every method is exact at Courant number 1, except for the
+/// step in which the contact begins.
 #[test]
 fn an_elastic_bar_rebounds_from_a_wall() {
     for method in METHODS {
@@ -192,13 +192,13 @@ fn an_elastic_bar_rebounds_from_a_wall() {
         assert_near(name, &gauge["time_of_peak_stress_s"], 0.5 * transit(), 2.001 * step);
         assert_near(name, &figures["final_length_m"], LENGTH, 1e-15);
         assert_near(name, &figures["residual_strain_largest"], 0.0, 0.0);
-        // A free end carries nothing and touches nothing.
+        // A free end has no force and no contact.
         assert_near(name, &figures["right"]["peak_force_N"], 0.0, ROUNDING * impedance());
         assert!(figures["right"]["contact_duration_s"].is_null() && figures["right"]["time_of_peak_s"].is_null());
     }
 }
 
-/// The mirror image gives the same figures at the other end, velocities and impulses reversed.
+/// The mirror image has the same figures at the other end, with velocities and impulses reversed.
 #[test]
 fn mirror_images_have_the_same_figures() {
     for method in METHODS {
@@ -215,7 +215,7 @@ fn mirror_images_have_the_same_figures() {
     }
 }
 
-/// Behind an absorbing end a moving bar goes on for ever: a striker comes to its velocity, as one comes to rest on a bar at rest.
+/// A moving bar with an absorbing end is infinitely long: a striker reaches its velocity, as one comes to rest on a bar at rest.
 #[test]
 fn a_striker_does_not_rebound_from_a_bar_without_end() {
     let striker = "kind = \"striker\"\nmass = 0.1\nvelocity = 2";
@@ -229,8 +229,8 @@ fn a_striker_does_not_rebound_from_a_bar_without_end() {
     }
 }
 
-/// Its load lessens from the first moment on, but nothing overtakes the elastic front: it was last seen after a few cells on grids, without a
-/// measured speed or arrivals.
+/// The load decreases from the start, but nothing overtakes the elastic front: grids must follow it through the bar, and not only for a few cells, to
+/// report its measured speed and arrivals.
 #[test]
 fn the_elastic_front_of_a_striker_is_followed_through_the_bar() {
     for velocity in [2.0, 15.0] {
@@ -245,8 +245,8 @@ fn the_elastic_front_of_a_striker_is_followed_through_the_bar() {
     }
 }
 
-/// It loses its velocity to the bar and rides along under a force below a ten-thousandth of the largest one; by the Godunov scheme it then touches in
-/// some steps and not in others. It was in contact for 0.285 ms by front tracking, and for a third of that by the Godunov scheme.
+/// The striker loses its velocity to the bar and remains in contact under a force below a ten-thousandth of the largest one. With the Godunov scheme
+/// it then touches in some steps only; the reported contact must still be 0.285 ms as with front tracking, and not a third of that.
 #[test]
 fn a_light_striker_is_in_contact_as_long_by_every_method() {
     let material =
@@ -266,8 +266,8 @@ fn a_light_striker_is_in_contact_as_long_by_every_method() {
     assert!(durations.iter().all(|duration| (duration / durations[0] - 1.0).abs() < 0.04), "{durations:?}");
 }
 
-/// Waves of a cell's length that run to and fro before cells that have flowed opened the contact in every second step once its force was small:
-/// leapfrog had 34.5 to 40.2 us for 40.5, and 17.8 us for 51.7 in a bar that flows slowly, whose recorded force alternated with none.
+/// Odd-even waves ahead of cells that have flowed must not open the contact in every second step once its force is small. Leapfrog would then have
+/// 34.5 to 40.2 us instead of 40.5 us, and 17.8 us instead of 51.7 us in a bar that flows slowly, with a recorded force that alternates with zero.
 #[test]
 fn a_light_striker_stays_in_contact_on_any_grid() {
     let striker = |velocity: f64| format!("kind = \"striker\"\nmass = 0.02\nvelocity = {velocity}");
@@ -296,7 +296,7 @@ fn a_light_striker_stays_in_contact_on_any_grid() {
     }
 }
 
-/// A rigid striker of mass m on a free bar of mass M leaves when the first wave returns, with V exp(-2 M/m) (St Venant).
+/// A rigid striker of mass m on a free bar of mass M separates when the first wave returns, with the velocity V exp(-2 M/m) (St Venant).
 #[test]
 fn a_striker_leaves_a_free_bar_when_the_wave_returns() {
     let (m, velocity) = (0.8, 3.0);
@@ -307,21 +307,21 @@ fn a_striker_leaves_a_free_bar_when_the_wave_returns() {
         let name = method.0;
         let figures = summary(name, &scene(method, &uniform(0.0), [&striker, FREE], 3.2 * transit()), &[]);
         let left = &figures["left"];
-        // The mass of half a cell, and a step of the front tracking's staircase.
+        // The mass of half a cell, and one step of the staircase of front tracking.
         let share = 0.01;
         assert_near(name, &left["peak_force_N"], -velocity * impedance(), share * velocity * impedance());
         assert_near(name, &left["contact_duration_s"], 2.0 * transit(), 3.0 * transit() / CELLS);
         assert_near(name, &left["striker_velocity_after_m_s"], after, share * velocity);
         assert_near(name, &left["bar_velocity_after_m_s"], bar_after, share * velocity);
         assert_near(name, &left["restitution"], (bar_after - after) / velocity, share);
-        // What one body loses the other one gets, whatever the resolution.
+        // What one body loses the other one gains, at any resolution.
         let (given, kept) = (&left["impulse_N_s"], left["striker_velocity_after_m_s"].as_f64().expect("a number"));
         assert_near(name, given, m * (velocity - kept), 1e-6);
         assert_near(name, &left["bar_velocity_after_m_s"], given.as_f64().expect("a number") / mass(), 1e-6);
     }
 }
 
-/// Two equal elastic bars exchange their velocities in 2 L/c0. The joint in the second one carries what the first wave brings.
+/// Two equal elastic bars exchange their velocities in 2 L/c0. The joint in the second one transmits the first wave.
 #[test]
 fn equal_bars_exchange_their_velocities() {
     let piece = |length: f64, velocity: f64, joint: &str| {
@@ -345,13 +345,13 @@ fn equal_bars_exchange_their_velocities() {
         assert_near(name, &bonded["peak_force_N"], -impedance(), ROUNDING * impedance());
         assert_near(name, &bonded["time_of_peak_s"], 0.25 * transit(), 2.001 * step);
         assert!(bonded["contact_duration_s"].is_null() && bonded["restitution"].is_null());
-        // Length is that of one piece of matter.
+        // The length is reported only for a single piece of matter.
         assert!(figures["final_length_m"].is_null());
         assert_near(name, &figures["segments"]["1"]["final_length_m"], half, 1e-15);
     }
 }
 
-/// The motion that two cells lose where a gap closes within a step was counted as absorbed by the bar, by the Godunov scheme and the net.
+/// The kinetic energy that two cells lose where a gap closes within a step is not absorbed by the bar, with the Godunov scheme and the net, too.
 #[test]
 fn elastic_bars_that_meet_absorb_nothing() {
     let piece = |velocity: f64, joint: &str| {
@@ -377,7 +377,7 @@ struct Units {
 
 const UNITS: Units = Units { stress: 200e6, velocity: 200e6 / 39_496_835.316_263, strain: 1e-3 };
 
-/// Bars of a bilinear metal with tangent modulus r^2 E on a wall: times, forces, momentum and plastic strains in rational numbers.
+/// Bars of a bilinear metal with tangent modulus r^2 E that strike a wall: times, forces, momentum and plastic strains as rational numbers.
 #[test]
 fn plastic_rebound_agrees_with_the_exact_cases() {
     let walls: Vec<&Case> = cases().iter().filter(|case| case.name.starts_with("wall") && case.iso).collect();
@@ -400,7 +400,7 @@ fn plastic_rebound_agrees_with_the_exact_cases() {
             // First-order errors of some cells at the fronts; front tracking is exact.
             let exact = method.0 == "front tracking";
             let share = if exact { 1e-9 } else { 0.03 };
-            // The first cells of a suddenly loaded end keep up to 12 % too much strain, and its first steps show up to 4 % too much stress.
+            // The first cells of a suddenly loaded end retain up to 12 % too much strain, and its first steps have up to 4 % too much stress.
             let first_cells = if exact { 1e-9 } else { 0.15 };
             let what = format!("{} {}", method.0, case.name);
             let until = number(&case.t_final) * transit();
@@ -416,7 +416,7 @@ fn plastic_rebound_agrees_with_the_exact_cases() {
                 elongation * UNITS.strain * LENGTH,
                 share * 1e-3 * LENGTH,
             );
-            // The profile holds the whole elongation, at the struck end the most of it.
+            // The profile contains the whole elongation, most of it at the struck end.
             let profile = figures["residual_strain_profile"].as_array().expect("a list");
             let profile: Vec<f64> = profile.iter().map(|mean| mean.as_f64().expect("a number")).collect();
             let mean = profile.iter().sum::<f64>() / 10.0;
@@ -432,7 +432,7 @@ fn plastic_rebound_agrees_with_the_exact_cases() {
     }
 }
 
-/// Without an area figures are per area; in torsion there are no forces and lengths.
+/// Without an area, figures are per area; in torsion there are no forces and lengths.
 #[test]
 fn figures_follow_what_the_scene_has() {
     let bar = uniform(-2.0).replace(&format!("area = {AREA:e}\n"), "");
@@ -444,7 +444,7 @@ fn figures_follow_what_the_scene_has() {
     assert_near("restitution", &left["restitution"], 1.0, ROUNDING);
 }
 
-/// Ends that cannot part have no contact; what is held has no velocity of rebound.
+/// Ends without separation have no contact, and a clamped end has no rebound velocity.
 #[test]
 fn figures_that_do_not_exist_are_absent() {
     let scene =
@@ -462,8 +462,8 @@ fn figures_that_do_not_exist_are_absent() {
     assert_near("pressed", &pressed["left"]["contact_duration_s"], transit(), 0.02 * transit());
 }
 
-/// The stress in the cell beside a joint that had broken was taken for its load: 20.9 kN where 6 kN broke it and nothing touched it afterwards. By
-/// front tracking there was none, because the front that breaks the joint leaves free faces behind.
+/// The load of a joint that breaks is the force that breaks it, 6 kN, and not the stress in the cell beside it after the fracture (20.9 kN without
+/// any contact). Front tracking must report it, too, although the front that breaks the joint leaves free faces behind.
 #[test]
 fn the_load_of_a_joint_that_breaks_is_what_breaks_it() {
     let rod = |area: &str| format!("[[bar.segment]]\nlength = {LENGTH}\narea = {area}\nmaterial = {BILINEAR}\n");
@@ -479,7 +479,7 @@ fn the_load_of_a_joint_that_breaks_is_what_breaks_it() {
     };
     let ramp = "[0, 0], [5e-6, 60e6]";
     let sudden = "[0, 60e6]";
-    // Two thirds of the stress go on into twice the area, 4/3 of the force.
+    // Two thirds of the stress are transmitted into twice the area: 4/3 of the force.
     for (right, first, method, force) in [
         ("1e-4", ramp, "\"fd\"\ncells = 100", 6000.0),
         ("1e-4", sudden, "\"moc\"", 6000.0),
@@ -490,8 +490,8 @@ fn the_load_of_a_joint_that_breaks_is_what_breaks_it() {
     }
 }
 
-/// A shock that crushes a foam dissipates the area between the chord and the curve, two fifths of all energy absorbed here. On a grid the method
-/// takes it in the cells of the shock, and it was missing.
+/// A shock that crushes a foam dissipates the area between the chord and the curve, two fifths of all energy absorbed here. On a grid it is
+/// dissipated by the scheme in the cells of the shock, and must be included.
 #[test]
 fn the_energy_of_a_crushed_foam_is_that_of_its_chord() {
     const STRESS: f64 = 3e6;
@@ -500,7 +500,7 @@ fn the_energy_of_a_crushed_foam_is_that_of_its_chord() {
     let foam = "{ name = \"foam\", density = 200, modulus = \"100 MPa\", beyond = \"extend\", curve = { table = \
                 [[0, 0], [0.01, \"1 MPa\"], [0.6, \"1.2 MPa\"], [0.7, \"5 MPa\"]] } }";
     let bar = format!("[bar]\nlength = 0.4\narea = {AREA:e}\nmaterial = {foam}");
-    // From the end of the plateau's elastic line to the locked state.
+    // From the end of the elastic line at the plateau to the locked state.
     let [yields, locked] = [[0.01, 1e6], [0.6 + 0.1 * (STRESS - 1.2e6) / 3.8e6, STRESS]];
     let speed = ((locked[1] - yields[1]) / (DENSITY * (locked[0] - yields[0]))).sqrt();
     let work = 0.5 * (yields[1] + locked[1]) * (locked[0] - yields[0]) + 0.5 * yields[0] * yields[1];

@@ -1,4 +1,4 @@
-//! Hardening laws as tables: how well the table follows the law, and where its corners lie.
+//! Hardening laws as tables: how accurately the table follows the law, and the positions of its corners.
 
 use barwave::material::{
     Beyond, Curve, Law, Measure, Sense, Tabulate, engineering_from_true, tabulate_law, tabulate_true_rows,
@@ -21,7 +21,7 @@ fn how(tolerance: f64) -> Tabulate {
     Tabulate { tolerance, to_strain: None }
 }
 
-/// Engineering point of a law at its own parameter, by the conversions alone.
+/// Returns the engineering point of a law at its own parameter, by the conversions alone.
 fn exact(law: &Law, measure: Measure, sense: Sense, x: f64) -> (f64, f64) {
     let stress = law.stress(x);
     let total = if matches!(law, Law::Hollomon { .. }) { x } else { x + stress / E };
@@ -47,8 +47,8 @@ fn tables_follow_their_laws_within_the_tolerance() {
                         let (strain, stress) = exact(law, measure, sense, 1e-7 * 1.005_f64.powi(i));
                         if strain > start && strain < curve.last_strain() {
                             let off = (curve.stress_at(strain) - stress).abs();
-                            // 1.5 (stress/E)^2 of strain lies between the elastic parts of the two conversions,
-                            // at most the modulus times steep; and the tolerance is sampled, not proven.
+                            // The elastic parts of the two conversions differ by 1.5 (stress/E)^2 of strain, with a slope of at most the modulus; and
+                            // the tolerance is sampled, not proven.
                             let elastic = 1.5 * (stress / E).powi(2) * E;
                             assert!(
                                 off <= 1.1 * tolerance * top + elastic,
@@ -65,13 +65,13 @@ fn tables_follow_their_laws_within_the_tolerance() {
 
 #[test]
 fn the_largest_engineering_stress_is_a_knot() {
-    // Considere: true slope = true stress; K e^n has it at n.
+    // Considere: the true slope equals the true stress; K e^n has this point at e = n.
     let table = tabulate_law(&LAWS[0], E, Measure::True, Sense::Tension, how(1e-2)).expect("it can be tabulated");
     let curve = Curve::new(&table.rows, Beyond::Error).expect("the table is right");
     let u = curve.ultimate().expect("the maximum is inside");
     assert!((u.strain / 0.44_f64.exp_m1() - 1.0).abs() < 1e-12, "{}", u.strain);
     assert!((u.stress / (530e6 * 0.44_f64.powf(0.44) * (-0.44_f64).exp()) - 1.0).abs() < 1e-12);
-    // The others: no point of the law is above the knot, and it is a maximum of the law.
+    // For the other laws, no point of the law is above the knot, which is a maximum of the law.
     for law in &LAWS[1..] {
         let table = tabulate_law(law, E, Measure::True, Sense::Tension, how(1e-2)).expect("it can be tabulated");
         let curve = Curve::new(&table.rows, Beyond::Error).expect("the table is right");
@@ -79,7 +79,7 @@ fn the_largest_engineering_stress_is_a_knot() {
         let highest = (1..60_000)
             .map(|i| exact(law, Measure::True, Sense::Tension, 1e-4 * f64::from(i)))
             .fold(0.0, |m: f64, p| m.max(p.1));
-        // Elastic parts of the two conversions differ by 1.5 (true stress/E)^2 of strain, and the stress with them.
+        // The elastic parts of the two conversions differ by 1.5 (true stress/E)^2 of strain, and the stress accordingly.
         let elastic = 1.5 * (u.stress * (1.0 + u.strain) / E).powi(2);
         assert!((u.stress / highest - 1.0).abs() < elastic + 1e-8, "{law}: {} {highest}", u.stress);
     }
@@ -130,7 +130,7 @@ fn the_table_goes_as_far_as_it_is_told_and_not_less_than_the_elastic_part() {
 
 #[test]
 fn a_true_table_gets_a_knot_where_necking_starts() {
-    // Linear true hardening 400 MPa + 1000 MPa e: largest engineering stress where 1000 = 400 + 1000 e.
+    // Linear true hardening 400 MPa + 1000 MPa e: the largest engineering stress is where 1000 = 400 + 1000 e.
     let rows = [(0.002, 400e6), (1.002, 1400e6)];
     let table = tabulate_true_rows(&rows, Some(200e9), Sense::Tension, 1e-3).expect("right");
     let curve = Curve::new(&table.rows, Beyond::Rupture).expect("the table is right");
@@ -142,7 +142,7 @@ fn a_true_table_gets_a_knot_where_necking_starts() {
     for i in 3..1000 {
         let e = 0.001 * f64::from(i);
         let (strain, stress) = engineering_from_true(Sense::Tension, e, 400e6 + 1000e6 * (e - 0.002));
-        // The tolerance is sampled at eight places a piece.
+        // The tolerance is sampled at eight positions per segment.
         assert!((curve.stress_at(strain) - stress).abs() <= 1.02e-3 * u.stress, "{e}");
     }
 }
@@ -169,7 +169,7 @@ proptest! {
         let sense = if compress { Sense::Compression } else { Sense::Tension };
         let (e, s) = engineering_from_true(sense, strain, stress);
         let (strain2, stress2) = true_from_engineering(sense, e, s);
-        // ln(1 - e) near e = 0.6 loses a digit; 1e-13 leaves room for three.
+        // ln(1 - e) near e = 0.6 loses a digit; 1e-13 allows for three.
         prop_assert!((strain2 / strain - 1.0).abs() < 1e-13);
         prop_assert!((stress2 / stress - 1.0).abs() < 1e-13);
         prop_assert_eq!(s < stress, !compress);
@@ -182,7 +182,7 @@ proptest! {
         prop_assert!(curve.steeper_than(e).is_none());
         prop_assert!(curve.elastic_limit(e).0 > 0.0);
         let u = curve.ultimate().expect("inside");
-        // Where n is below the strain of the elastic limit the curve falls from there on.
+        // If n is below the strain of the elastic limit, the curve decreases from there.
         prop_assert!((u.strain / n.exp_m1() - 1.0).abs() < 1e-9 || u.strain == curve.elastic_limit(e).0);
         prop_assert!(table.rows.len() < 400, "{}", table.rows.len());
     }
@@ -192,7 +192,7 @@ proptest! {
 fn tables_stay_short() {
     for law in &LAWS {
         let rows = tabulate_law(law, E, Measure::True, Sense::Tension, how(1e-3)).expect("right").rows.len();
-        // Counts grow as tolerance^-1/2; these laws take 30 to 60 rows.
+        // The number of rows grows as tolerance^-1/2; these laws need 30 to 60 rows.
         println!("{rows} {law}");
         assert!(rows < 80, "{law}: {rows} rows");
     }

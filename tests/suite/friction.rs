@@ -1,8 +1,8 @@
-//! Dry friction along the bar against exact solutions: fronts that lose stress, bodies that stop for good, loads that never arrive; and
-//! its account.
+//! Dry friction along the bar against exact solutions: fronts that lose stress, bodies that stop permanently, loads that do not reach the far end;
+//! and the energy balance.
 //!
-//! Elastic, at rest, pushed from t = 0 on: while everything behind the front moves the same way, `sigma - rho c v` rises by f/A per length
-//! along characteristics to the right and `sigma + rho c v` by f/A along those to the left. With `sigma = -rho c v` at the front, the
+//! Consider an elastic bar at rest, pushed from t = 0. As long as everything behind the front moves in the same sense, `sigma - rho c v` increases by
+//! f/A per length along characteristics to the right, and `sigma + rho c v` by f/A along those to the left. With `sigma = -rho c v` at the front, the
 //! front has `sigma = -s + f x/(2 A)`.
 
 use crate::common;
@@ -15,16 +15,16 @@ use barwave::solver::fd::{DistributedForces, Grid, Leapfrog, Quantity};
 use common::{DENSITY, MODULUS, profile};
 use std::process::Command;
 
-/// m^2.
+/// Cross-section, m^2.
 const AREA: f64 = 1e-3;
-/// Stress that the end is pushed with, Pa: below yield.
+/// Stress at the end, Pa, below yield.
 const PUSH: f64 = 50e6;
 
 fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-/// Friction per length that uses up the front over this length, N/m.
+/// Returns the friction per length that consumes the front over this length, N/m.
 fn friction_over(length: f64) -> f64 {
     2.0 * AREA * PUSH / length
 }
@@ -42,13 +42,13 @@ fn bar_of(segments: Vec<Segment>, ends: [EndCondition; 2], friction: f64, cells:
     Leapfrog::with_along(&bar, grid, laws, ends, &along)
 }
 
-/// Largest errors of stress and rho c v behind the front, over `PUSH`, where they are to be `exact` at (x, t).
+/// Returns the largest errors of stress and rho c v behind the front, relative to `PUSH`; `exact` gives both at (x, t).
 fn errors(bar: &Leapfrog, exact: impl Fn(f64, f64) -> [f64; 2]) -> [f64; 2] {
     let (stress, velocity, time) = (profile(bar, Quantity::Stress), profile(bar, Quantity::Velocity), bar.time());
     let dx = bar.grid().segments[0].dx;
     let mut worst = [0.0_f64; 2];
     for (k, x) in bar.grid().centres().into_iter().enumerate() {
-        // The cells next to the front.
+        // The cells next to the front are excluded.
         if (x - c0() * time).abs() < 1.6 * dx {
             continue;
         }
@@ -76,14 +76,14 @@ fn a_front_loses_stress_in_proportion_to_its_way() {
             errors(&bar, exact)
         });
         println!("{what}: {found:?}");
-        // First order at most: friction of half a cell.
+        // First order at most: the friction of half a cell.
         for (k, errors) in found.iter().enumerate() {
             assert!(errors.iter().all(|e| *e < 1.0 / (250.0 * f64::powi(2.0, k as i32))), "{what}: {found:?}");
         }
     }
 }
 
-/// Mirrored, and pulled.
+/// Mirror image, and tension.
 #[test]
 fn the_sign_of_the_motion_does_not_matter() {
     let friction = friction_over(0.7);
@@ -105,7 +105,7 @@ fn the_sign_of_the_motion_does_not_matter() {
     }
 }
 
-/// The front is used up at 2 A s/f; all that moved stops at that moment, for good, with `sigma = -s + f x/(2 A)`.
+/// The front vanishes at t = 2 A s/f; all moving parts stop at that moment, permanently, with `sigma = -s + f x/(2 A)`.
 #[test]
 fn a_pushed_bar_stops_all_at_once_and_stays() {
     let way = 0.6;
@@ -130,7 +130,7 @@ fn a_pushed_bar_stops_all_at_once_and_stays() {
     }
 }
 
-/// A bar that flies slows down by f L/M and stops for good, whatever the number of cells.
+/// A bar in free motion decelerates by f L/M and stops permanently, for any number of cells.
 #[test]
 fn a_flying_bar_slows_down_as_a_rigid_body_and_stops() {
     let (friction, speed) = (2e4, 3.0);
@@ -158,8 +158,8 @@ fn a_flying_bar_slows_down_as_a_rigid_body_and_stops() {
     }
 }
 
-/// Pushed slowly, the end carries f times the length that has moved: a load below f L never moves the far end, and one above does. A
-/// sudden load moves twice that length.
+/// If the end is pushed slowly, its force is f times the length that has moved: a load below f L never moves the far end, one above it does. A sudden
+/// load moves twice that length.
 #[test]
 fn a_load_below_the_friction_of_the_bar_never_arrives() {
     let push = |part: f64, rise: f64, length: f64| {
@@ -177,7 +177,7 @@ fn a_load_below_the_friction_of_the_bar_never_arrives() {
     assert!(push(0.52, 1e-12, 1.0).0 > 0.0);
 }
 
-/// Across a joint the front goes on with 2 A1/(A1 + A2) of its stress, and then loses f/(2 A2) per length.
+/// A joint transmits 2 A1/(A1 + A2) of the stress of the front, which then decreases by f/(2 A2) per length.
 #[test]
 fn a_front_crosses_a_joint() {
     let friction = friction_over(4.0);
@@ -190,7 +190,7 @@ fn a_front_crosses_a_joint() {
             let stress = profile(&bar, Quantity::Stress);
             let arrives = -PUSH + friction * 0.5 / (2.0 * AREA);
             let exact = 2.0 * AREA / (AREA + area) * arrives + friction * (time - 0.5) / (2.0 * area);
-            // Two cells behind it.
+            // Two cells behind the front.
             let found = stress[(time * cells as f64) as usize - 3];
             println!("area {area}, x = {time}: {found:.0} Pa, exact {exact:.0}");
             assert!((found / exact - 1.0).abs() < 3e-3, "{area} {time}: {found} {exact}");
@@ -198,7 +198,7 @@ fn a_front_crosses_a_joint() {
     }
 }
 
-/// What friction takes only grows, with every end, and nothing is missing.
+/// The energy dissipated by friction never decreases, with every kind of end, and the energy balance closes.
 #[test]
 fn the_account_of_friction_closes_and_only_grows() {
     for left in common::busy_ends(AREA) {

@@ -1,4 +1,4 @@
-//! Front tracking against exact rational solutions, self-similar fans, closed forms and its own account.
+//! Front tracking against exact rational solutions, self-similar fans, closed forms and its own energy balance.
 
 use crate::common::exact;
 
@@ -22,7 +22,7 @@ fn material(rows: &[(f64, f64)], density: f64, beyond: Beyond) -> Arc<Material> 
     )
 }
 
-/// `E = rho = sigma_y = 1`, plastic wave speed r.
+/// Returns a material with `E = rho = sigma_y = 1` and plastic wave speed r.
 fn bilinear(r: f64) -> Arc<Material> {
     material(&[(1.0, 1.0), (2.0, 1.0 + r * r)], 1.0, Beyond::Extend)
 }
@@ -36,7 +36,7 @@ fn track(segments: Vec<Segment>, flow: Flow, ends: [EndCondition; 2]) -> FrontTr
     FrontTracking::new(&bar, flow, ends, Settings::default())
 }
 
-/// Stresses and velocities of the cases are of order 1, so relative and absolute are one.
+/// Stresses and velocities of the cases are of order 1, so that relative and absolute errors are the same.
 #[track_caller]
 fn near(value: f64, expected: f64, what: &str) {
     assert!((value - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{what}: {value} is not {expected}");
@@ -63,7 +63,7 @@ fn check_case(case: &Case) {
     let [left, right] = bar.ends();
     check_history(&format!("{name} left"), &left.steps, &case.left_history);
     check_history(&format!("{name} right"), &right.steps, &case.right_history);
-    // Places are right to 1e-12 of the length: just inside a range its own values hold.
+    // Positions are exact to 1e-12 of the length: just inside a range, its own values apply.
     let inside = |from: f64, to: f64| [from + 1e-12 * length, 0.5 * (from + to), to - 1e-12 * length];
     for row in &case.ep_profile {
         let [from, to, plastic] = numbers(row);
@@ -97,7 +97,7 @@ fn scaled(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
     rows.iter().map(|&(e, s)| (e, s * 1e6)).collect()
 }
 
-/// The fan of a struck end stands where the curve alone says, in both senses.
+/// Checks the fan of a struck end, in both senses, against the one that follows from the curve alone.
 fn check_fan(rows: &[(f64, f64)], density: f64, velocity: f64, fronts: usize) {
     let material = material(rows, density, Beyond::Extend);
     let fan = fan_at_velocity(&material.tension, density, velocity);
@@ -131,7 +131,7 @@ fn fans_are_self_similar() {
     let a = scaled(&[(0.001, 100.0), (0.01, 150.0), (0.05, 230.0), (0.2, 330.0)]);
     check_fan(&a, 8000.0, 74.3, 4);
     check_fan(&a, 8000.0, 11.0, 2);
-    // A yield drop: one front from the upper yield point to the tangent point.
+    // Yield drop: one front from the upper yield point to the tangent point.
     let b = scaled(&[(0.0015, 310.0), (0.0016, 250.0), (0.02, 250.0), (0.1, 380.0), (0.2, 430.0)]);
     check_fan(&b, 7850.0, 62.5, 3);
     check_fan(&b, 7850.0, 20.0, 2);
@@ -178,7 +178,7 @@ fn two_materials_share_force_and_velocity() {
     let soft = material(&scaled(&[(0.0005, 35.0), (0.02, 80.0), (0.2, 120.0)]), 2700.0, Beyond::Extend);
     let segments = vec![Segment::new(0.5, 1e-4, hard.clone()), Segment::new(0.5, 3e-4, soft.clone())];
     let mut bar = track(segments, KINEMATIC, [pushed(8.0), EndCondition::Fixed]);
-    // Two plastic fronts close in on each other soon after: waves bounce between them ever faster.
+    // Soon afterwards, two plastic fronts approach each other, and waves bounce between them at increasing frequency.
     bar.advance_to(1.95 / hard.c0()).expect("few events");
     let (left, right) = (bar.state_at(0.5 - 1e-12), bar.state_at(0.5 + 1e-12));
     near(left.stress * 1e-4 / (right.stress * 3e-4), 1.0, "force");
@@ -197,7 +197,7 @@ fn an_absorbing_end_takes_elastic_waves_whole() {
     bar.advance_to(1e-3).expect("few events");
     assert_eq!(bar.fronts().count(), 0);
     assert!(bar.state_at(0.5).stress.abs() < 1e-4 && bar.state_at(0.5).velocity.abs() < 1e-11);
-    // Two steps in, two steps out.
+    // Two steps inwards, two steps outwards.
     assert_eq!(bar.ends()[1].steps.len(), 3);
 }
 
@@ -208,7 +208,7 @@ fn a_wall_is_reached_after_its_gap() {
     let mut bar = track(vec![Segment::new(1.0, 1.0, steel.clone()).with_velocity(-0.5)], ISOTROPIC, ends);
     bar.advance_to(4.0).expect("few events");
     let steps = &bar.ends()[0].steps;
-    // Free flight to 0.5, elastic contact for 2 L/c0, then away with the speed reversed.
+    // Free flight to 0.5, elastic contact for 2 L/c0, then rebound with the velocity reversed.
     for (step, [time, stress, velocity]) in steps.iter().zip([[0.0, 0.0, -0.5], [0.5, -0.5, 0.0], [2.5, 0.0, 0.5]]) {
         near(step.time, time, "time");
         near(step.stress, stress, "stress");
@@ -219,14 +219,14 @@ fn a_wall_is_reached_after_its_gap() {
 
 #[test]
 fn a_level_curve_keeps_the_velocity_jump_at_the_end() {
-    // Perfect plasticity: no more than sigma_y gets in, v = sigma_y/(rho c0) behind the front.
+    // Perfect plasticity: at most sigma_y is transmitted, with v = sigma_y/(rho c0) behind the front.
     let perfect = material(&[(1.0, 1.0), (2.0, 1.0)], 1.0, Beyond::Extend);
     let mut bar = track(vec![Segment::new(1.0, 1.0, perfect.clone())], ISOTROPIC, [pushed(3.0), EndCondition::Free]);
     bar.advance_to(0.5).expect("no meeting");
     near(bar.state_at(0.25).stress, -1.0, "stress");
     near(bar.state_at(0.25).velocity, 1.0, "velocity");
     assert_eq!(bar.ends()[0].above_critical.map(|from| [from.time, from.stress]), Some([0.0, -1.0]));
-    // Two such bars struck together: the jump stays at the joint and takes sigma_y times its velocity.
+    // Two such bars that collide: the velocity jump remains at the joint and dissipates sigma_y times its value per time and area.
     let segments = vec![
         Segment::new(1.0, 1.0, perfect.clone()).with_velocity(3.0),
         Segment::new(1.0, 1.0, perfect.clone()).with_velocity(-3.0),
@@ -256,7 +256,7 @@ fn foam() -> Arc<Material> {
 
 #[test]
 fn two_stiffening_bars_meet_like_one_and_a_wall() {
-    // Chords of the hull on both sides, which depend on the answer: by symmetry it is the one-sided fan.
+    // The chords of the hull on both sides depend on the solution: by symmetry it is the one-sided fan.
     let foam = foam();
     let fan = fan_at_velocity(&foam.tension, 200.0, 150.0);
     let segments = vec![
@@ -289,7 +289,7 @@ fn a_stiffening_bar_shares_force_and_velocity_with_another() {
     }
 }
 
-/// Relative L1 difference of stress over the bar.
+/// Returns the relative L1 difference of stress over the bar.
 fn difference(a: &FrontTracking, b: &FrontTracking) -> f64 {
     let stresses =
         |t: &FrontTracking| -> Vec<f64> { (0..2000).map(|i| t.state_at(5e-4 * (f64::from(i) + 0.5)).stress).collect() };
@@ -313,14 +313,14 @@ fn a_front_tolerance_saves_events_and_keeps_the_account() {
         bar.advance_to(4.0 / hard.c0()).expect("few events");
         let sum = bar.balance();
         let missed = [sum.total() / (sum.work[0] + sum.work[1]), sum.momentum / (sum.impulse[0] + sum.impulse[1])];
-        // Nodes nearer than 1e-8 of the tolerance (times the length) are taken as one.
+        // Nodes closer than 1e-8 of the tolerance (times the length) count as one.
         assert!(missed.iter().all(|part| (part - 1.0).abs() < 1e-4 * front_tolerance), "{missed:?}");
         bar
     };
     let [coarse, middle, fine, finest] = [1e-2, 1e-3, 1e-4, 1e-5].map(run);
     assert!(middle.events() < fine.events() && fine.events() < finest.events());
     let error = |bar: &FrontTracking| difference(bar, &finest);
-    // No bound is claimed, and it does not fall in proportion: it falls.
+    // There is no proven bound, and the error is not proportional to the tolerance, but it decreases.
     assert!(error(&middle) < 0.5 * error(&coarse) && error(&fine) < error(&middle));
     assert!(error(&coarse) < 1e-2 && error(&middle) < 1e-3, "{} {}", error(&coarse), error(&middle));
 }
@@ -337,7 +337,7 @@ fn the_riemann_problem_serves_as_a_flux() {
     near(elastic.force / (0.5 * (3e7 + steel.impedance() * 0.5)), 1.0, "elastic stress");
     near(elastic.velocity_left / (0.75 - 3.5e7 / steel.impedance()), 1.0, "elastic velocity");
     near(elastic.velocity_left / elastic.velocity_right, 1.0, "velocities");
-    // A point that yielded to 400 MPa and is unloaded stays elastic up to there, in compression too.
+    // A point that has yielded at 400 MPa and is unloaded stays elastic up to this stress, in compression, too.
     let hardened = Point { accumulated: table_plastic(&table, 4e8), ..Point::default() };
     for sense in [1.0, -1.0] {
         let pulled = Side::Straight { force: 0.0, velocity: -20.0 * sense, compliance: 0.0 };
@@ -350,13 +350,13 @@ fn the_riemann_problem_serves_as_a_flux() {
     }
 }
 
-/// E times the plastic strain of first loading to a stress on the second line of a table.
+/// Returns E times the plastic strain of first loading to a stress on the second line of a table.
 fn table_plastic(table: &Table, stress: f64) -> f64 {
     let line = table.lines()[1];
     (stress - line.offset) / line.slope - stress
 }
 
-/// A concave table: falling slopes below 1, in units of E = 1.
+/// Returns a concave table with decreasing slopes below 1, in units of E = 1.
 fn concave(slopes: &[f64], widths: &[f64]) -> Arc<Material> {
     let (mut strain, mut stress, mut slope) = (1.0, 1.0, 1.0);
     let mut rows = vec![(strain, stress)];
@@ -403,13 +403,12 @@ proptest! {
             }
             let sum = bar.balance();
             let scale = sum.total().max(sum.work[0].abs()).max(1.0);
-            // Fronts closer than 1e-13 are taken as one, with a tolerance 1e-8 of that: up to 2000 events, few of which
-            // shift anything by as much.
+            // Fronts closer than 1e-13 count as one, with a front tolerance 1e-8 of that; up to 2000 events, few of which shift anything by as much.
             let bound = if front_tolerance == 0.0 { 1e-10 } else { 1e-5 * front_tolerance };
             prop_assert!((sum.total() - sum.work[0] - sum.work[1]).abs() < bound * scale, "{sum:?}");
             prop_assert!((sum.momentum - sum.impulse[0] - sum.impulse[1]).abs() < bound * scale, "{sum:?}");
-            // Kinematic hardening stores energy and gives it back: only isotropic plastic work is dissipation. It falls by what is moved where
-            // a wave overtakes a plastic one so close to its origin that they count as one, and the run states that.
+            // Kinematic hardening stores energy and returns it; only isotropic plastic work is dissipation. It decreases by the energy shifted where
+            // a wave overtakes a plastic one so close to its origin that they count as one, which the run reports.
             let moved = (1e-12 + bar.unresolved()) * scale;
             prop_assert!(flow != ISOTROPIC || sum.plastic >= plastic - moved, "{sum:?}");
             plastic = sum.plastic;
@@ -436,7 +435,7 @@ fn trails_are_the_straight_lives_of_all_fronts() {
     }
     front_segments.extend(bar.living_front_segments());
     assert!(front_segments.len() > 4);
-    // A gauge read off the front_segments is the state of the bar: the last front that crossed a place left its state there.
+    // A gauge that is read from the front segments has the state of the bar: the last front that crossed a position left its state there.
     for x in [0.1234, 0.4321, 0.8765].map(|share| share * number(&case.length)) {
         let crossing =
             |t: &&barwave::solver::moc::FrontSegment| (t.x[0] <= x && x < t.x[1]) || (t.x[1] <= x && x < t.x[0]);

@@ -1,4 +1,4 @@
-//! Ramps, strikers, springs and contact joints in front tracking, against closed forms and their own account.
+//! Ramps, strikers, springs and contact joints in front tracking, against closed forms and their energy balance.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ fn material(rows: &[(f64, f64)]) -> Arc<Material> {
     )
 }
 
-/// `E = rho = c0 = 1`, no yield.
+/// Returns a material with `E = rho = c0 = 1` and no yield.
 fn elastic() -> Arc<Material> {
     material(&[(1e6, 1e6)])
 }
@@ -42,13 +42,13 @@ fn near(value: f64, expected: f64, tolerance: f64, what: &str) {
     );
 }
 
-/// A mass m times the bar's, with velocity 1.
+/// Returns a bar struck with velocity 1 by a mass of m times its own.
 fn struck(m: f64, far: EndCondition, settings: Settings) -> FrontTracking {
     let ends = [EndCondition::Striker { mass: m, velocity: 1.0 }, far];
     track(vec![segment(1.0, 1.0, &elastic(), 0.0)], ends, settings)
 }
 
-/// Follows the bar until the striker has let go, and returns when that was.
+/// Follows the bar until the striker has separated, and returns that time.
 fn until_separation(bar: &mut FrontTracking, limit: f64) -> f64 {
     let mut t = 0.0;
     while t < limit {
@@ -74,11 +74,11 @@ fn a_mass_on_a_rod_with_a_fixed_end_has_the_tabulated_contact() {
     for row in rows {
         let numbers: Vec<f64> = row.split(',').map(|n| n.parse().expect("a number")).collect();
         let [m, contact, at_struck, at_fixed, velocity] = numbers[..] else { panic!("five columns: {row}") };
-        // Second order in the step; heavier masses, in contact longer, get the same from a finer one, with fewer fronts.
+        // Second order in the step; heavier masses, in contact longer, reach the same accuracy with a finer step, and fewer fronts.
         let mut bar = struck(m, EndCondition::Fixed, with_step(if m < 3.0 { 2e-3 } else { 1e-3 }));
         let time = until_separation(&mut bar, 12.0);
         let after = bar.striker(0).expect("there").velocity;
-        // What is on its way to the fixed end counts too.
+        // Waves on their way to the fixed end also count.
         bar.advance_to(time + 1.0).expect("enough events");
         // The table has five decimals; to these, 1e-6.
         let digits = |value: f64, expected: f64, what: &str| {
@@ -92,7 +92,8 @@ fn a_mass_on_a_rod_with_a_fixed_end_has_the_tabulated_contact() {
     }
 }
 
-/// The mean of the first steps behind the jump of an impact took its place: largest stresses were up to 0.6 % too small with a front tolerance of 1e-3.
+/// The mean of the first steps behind the jump of an impact must not replace it: otherwise, largest stresses are up to 0.6 % too small with a front
+/// tolerance of 1e-3.
 #[test]
 fn merged_waves_of_a_striker_keep_the_largest_stresses() {
     for (m, struck_end) in
@@ -128,7 +129,7 @@ fn a_mass_leaves_a_free_bar_after_two_transits() {
         let restitution = bar.balance().momentum - after;
         let left = (-2.0 / m).exp();
         near(restitution, m * (1.0 - left) - left, 1e-6, "restitution");
-        // What the bar has, the mass has lost: to rounding, as the step was over at the arrival.
+        // The bar has what the mass has lost, to rounding, as a step ends at the arrival.
         let sum = bar.balance();
         near(sum.total() + bar.body_energy()[0], 0.5 * m, 1e-12, "energy");
         near(sum.momentum + m * after, m, 1e-12, "momentum");
@@ -156,7 +157,7 @@ fn strikers_at_both_ends_are_mirrored() {
     near(bar.balance().momentum, 0.0, 1e-9, "momentum");
     let spent = 2.0 - bar.body_energy()[0] - bar.body_energy()[1];
     near(bar.balance().total(), spent, 1e-4, "energy, within a step");
-    // By symmetry, a bar of half the length against a fixed end.
+    // By symmetry, this is a bar of half the length against a fixed end.
     let mut half = struck(4.0, EndCondition::Fixed, with_step(1e-2));
     half.advance_to(5.0).expect("enough events");
     near(a.velocity, half.striker(0).expect("there").velocity, 5e-4, "half the bar");
@@ -165,7 +166,7 @@ fn strikers_at_both_ends_are_mirrored() {
 #[test]
 fn a_striker_on_a_plastic_bar_keeps_the_account() {
     let plastic = material(&[(1.0, 1.0), (2.0, 1.2), (5.0, 1.5)]);
-    // Against a fixed end the fronts of a plastic bar multiply without a limit.
+    // With a fixed end, the number of fronts of a plastic bar grows without limit.
     for (far, front_tolerance) in [(EndCondition::Free, 0.0), (EndCondition::Fixed, 1e-2), (EndCondition::Free, 1e-2)] {
         let settings = Settings { front_tolerance, event_budget: 100_000, ..with_step(2e-2) };
         let ends = [EndCondition::Striker { mass: 1.5, velocity: 3.0 }, far];
@@ -175,7 +176,7 @@ fn a_striker_on_a_plastic_bar_keeps_the_account() {
             bar.advance_to(0.1 * f64::from(k)).expect("enough events");
             let (sum, striker) = (bar.balance(), bar.striker(0).expect("there"));
             near(sum.momentum + 1.5 * striker.velocity - sum.impulse[1], 4.5, 1e-9, "momentum");
-            // Within a step of x time constants, up to x^2/4 of the mass's energy is owed; x is some 2e-2.
+            // Within a step of x time constants, the energy defect is up to x^2/4 of the energy of the mass; x is about 2e-2.
             near(sum.total() + bar.body_energy()[0], 6.75, 1e-3, "energy");
             near(sum.total(), sum.work[0], 1e-9, "the bar's own account");
             assert!(sum.plastic >= plastic - 1e-12);
@@ -196,11 +197,11 @@ fn a_spring_brings_a_moving_bar_to_rest_exponentially() {
             let step = bar.ends()[which].steps.last().expect("started");
             let stretch = area / stiffness * (1.0 - (-stiffness / area * t).exp());
             let stored = 0.5 * stiffness * stretch * stretch;
-            // The end's stress is the mean of a step, the spring's energy that of the moment.
+            // The stress of the end is the mean of a step, the energy of the spring that of an instant.
             near(step.stress, inward * stiffness * stretch / area, 2e-3, "stress");
             near(bar.body_energy()[which], stored, 1e-3, "energy");
         }
-        // Long after, all of it is in the spring: k u = A Z v.
+        // After a long time all of the energy is in the spring: k u = A Z v.
         bar.advance_to(6.0).expect("enough events");
         let stored = 0.5 * area * area / stiffness;
         near(bar.body_energy()[which], stored, 1e-6, "energy at rest");
@@ -219,7 +220,7 @@ fn a_bar_between_springs_keeps_its_energy() {
             bar.advance_to(0.2 * f64::from(k)).expect("enough events");
             let sum = bar.balance();
             let held = sum.total() + bar.body_energy().iter().sum::<f64>();
-            // As above: up to x^2/4 of the spring's energy within a step, and x grows where little is left to relax.
+            // As above: up to x^2/4 of the energy of the spring within a step, and x grows where little is left to relax.
             near(held, 0.5 * velocity * velocity, 1e-3, "energy");
             near(sum.momentum - sum.impulse[0] - sum.impulse[1], velocity, 1e-9, "momentum");
         }
@@ -241,7 +242,7 @@ fn two_elastic_bars_touch_for_two_transits_of_the_shorter() {
         let closed = contact.changes.iter().position(|c| !c.open).expect("it closes");
         near(contact.changes[closed].time, gap, 1e-12, "touch");
         near(contact.changes[closed + 1].time, gap + 2.0 * short, 1e-12, "end of contact");
-        // The shorter bar comes to rest, the longer one has all the momentum.
+        // The shorter bar comes to rest; the longer one has the whole momentum.
         for piece in bar.pieces().filter(|p| p.segment == 0) {
             assert!(piece.point.velocity.abs() < 1e-12 && piece.point.stress.abs() < 1e-12);
         }
@@ -253,14 +254,14 @@ fn two_elastic_bars_touch_for_two_transits_of_the_shorter() {
 
 #[test]
 fn a_gap_opens_and_closes_at_exact_times() {
-    // Both bars move; the second flies into a wall and comes back: free flight, contact, flight, contact.
+    // Both bars move; the second strikes a wall and returns: free flight, contact, flight, contact.
     let steel = elastic();
     let segments =
         vec![segment(1.0, 1.0, &steel, 0.0).with_joint(Joint::Contact { gap: 0.5 }), segment(1.0, 1.0, &steel, 0.25)];
     let ends = [EndCondition::Free, EndCondition::Wall { gap: 0.125 }];
     let mut bar = track(segments, ends, Settings::default());
-    // The wall is hit at 0.5, let go at 2.5; by then the faces are 0.5 + 0.125 apart, but for what the wave moved: from
-    // 1.5 on the left face of the second bar goes back with 0.25.
+    // The wall is struck at 0.5 and released at 2.5; by then the faces are 0.5 + 0.125 apart, except for the motion due to the wave: from 1.5 on, the
+    // left face of the second bar moves back with 0.25.
     for (t, gap) in [(0.4, 0.6), (1.5, 0.875), (2.5, 0.625), (4.5, 0.125), (4.9, 0.025)] {
         bar.advance_to(t).expect("few events");
         let state = bar.contacts().next().expect("one");
@@ -304,7 +305,7 @@ fn bars_of_other_sections_and_curves_keep_momentum_and_energy_through_a_contact(
 
 #[test]
 fn a_joint_in_tension_opens_and_lets_nothing_through() {
-    // A compression pulse comes back from the free end as tension and parts the bar where it was only laid together.
+    // A compression pulse returns from the free end as tension and opens the contact joint.
     let steel = elastic();
     let history = History::new(&[(0.0, -1.0), (0.3, -1.0), (0.3, 0.0)]).expect("in order");
     let segments = vec![segment(1.0, 1.0, &steel, 0.0), segment(0.5, 1.0, &steel, 0.0)];
@@ -312,13 +313,13 @@ fn a_joint_in_tension_opens_and_lets_nothing_through() {
     bar.advance_to(4.0).expect("few events");
     let state = bar.contacts().next().expect("one");
     let times: Vec<(f64, bool)> = state.changes.iter().map(|c| (c.time, c.open)).collect();
-    // Closed while the pulse passes, from 1 to 1.3; parted when it returns at 2: the end piece keeps all of it.
+    // The joint is closed while the pulse passes, from 1 to 1.3, and opens when the pulse returns at 2: the end piece retains all of it.
     assert_eq!(times.iter().map(|t| t.1).collect::<Vec<_>>(), [true, false, true]);
     near(times[1].0, 1.0, 1e-12, "pulse comes");
     near(times[2].0, 1.3, 1e-12, "pulse has passed");
     let piece: f64 = bar.pieces().filter(|p| p.segment == 0).map(|p| p.point.velocity.abs() * (p.to - p.from)).sum();
     assert!(piece < 1e-12);
-    // Momentum 0.3 on a length of 0.5; the gap has opened by what went round in the piece since.
+    // Momentum 0.3 on a length of 0.5; the gap has opened by the motion of the pulse in the end piece since then.
     near(bar.balance().momentum, 0.3, 1e-12, "momentum");
     near(state.gap, 2.0 * 0.3 * 2.0, 1e-12, "gap");
 }
@@ -342,7 +343,7 @@ fn an_elastic_ramp_is_right_to_second_order() {
         let [coarse, fine] = [1e-2, 5e-3].map(|step| (energy(step, end.clone()) - exact).abs());
         let order = (coarse / fine).log2();
         assert!((order - 2.0).abs() < 1e-3, "order {order}");
-        // What the trapezoidal rule makes of v^2: step^2/12 times the change of 2 v.
+        // Error of the trapezoidal rule for v^2: step^2/12 times the change of 2 v.
         assert!((coarse / (0.5 * 1e-4 / 6.0) - 1.0).abs() < 1e-3, "error {coarse}");
     }
 }

@@ -1,4 +1,4 @@
-//! What every kind of end must do in front tracking: the suite of `ends.rs`, and limits of masses and stiffnesses.
+//! Properties of every kind of end in front tracking, as in `ends.rs`, and limiting masses and stiffnesses.
 
 use crate::common;
 
@@ -9,20 +9,20 @@ use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::wave::riemann::Flow;
 use common::{DENSITY, MODULUS};
 
-/// A ball of some decimetres on a bar of 0.7 m^2.
+/// Contact of a ball with a radius of some decimetres with a bar of 0.7 m^2.
 const BALL: Hertz = Hertz { radius: 0.3, modulus: 100e9 };
 
-/// Elastic transit time of the bars here, s.
+/// Returns the elastic transit time of the bars here, s.
 fn transit() -> f64 {
     (DENSITY / MODULUS).sqrt()
 }
 
-/// rho c0 A, N s/m.
+/// Returns rho c0 A, N s/m.
 fn impedance() -> f64 {
     common::BUSY_AREA * (DENSITY * MODULUS).sqrt()
 }
 
-/// 1 m of the bilinear steel, which yields at 200 MPa.
+/// Returns 1 m of the bilinear steel, which yields at 200 MPa.
 fn bar(ends: [EndCondition; 2], velocity: f64, settings: Settings) -> FrontTracking {
     bar_of(common::bilinear_steel(), ends, velocity, settings)
 }
@@ -37,12 +37,12 @@ fn bar_of(material: Material, ends: [EndCondition; 2], velocity: f64, settings: 
     )
 }
 
-/// Steps of 2 % of the stress scale, and few fronts.
+/// Returns settings with steps of 2 % of the stress scale, and few fronts.
 fn coarse() -> Settings {
     Settings { front_tolerance: 2e-2, event_budget: 2_000_000, ..Settings::default() }
 }
 
-/// One of every kind, none of which does anything to a bar at rest.
+/// Returns an end of every kind, none of which acts on a bar at rest.
 fn idle_ends() -> Vec<EndCondition> {
     vec![
         common::moved(0.0),
@@ -60,7 +60,7 @@ fn idle_ends() -> Vec<EndCondition> {
     ]
 }
 
-/// Ends of every kind, balls among them.
+/// Returns ends of every kind, including balls.
 fn busy_ends() -> Vec<EndCondition> {
     let more = [
         EndCondition::Ball { mass: 900.0, velocity: 60.0, contact: BALL },
@@ -87,7 +87,7 @@ fn rest_stays_rest() {
 
 #[test]
 fn even_motion_stays_even() {
-    // All ends that let a bar pass that moves at 3 m/s in +x: it moves away from the wall at its left.
+    // All ends that do not affect a bar moving at 3 m/s in +x: it moves away from the wall at its left.
     let ends = || {
         [common::moved(3.0), EndCondition::Free, EndCondition::Absorbing, common::loaded_by(&[(0.0, 0.0)])].into_iter()
     };
@@ -134,8 +134,8 @@ fn the_ledger_closes_for_every_pair_of_ends() {
     }
 }
 
-/// A scene and what it looks like from behind: what the end of an elastic bar does until a wave comes back has the same bits.
-/// (Places along the bar have not: they are counted from its left end.)
+/// The history of the end of an elastic bar is bit for bit that of its mirror image until a wave returns. (Positions along the bar are not, since
+/// they are measured from its left end.)
 #[test]
 fn mirrored_ends_are_equal_bit_for_bit() {
     let mirrored = |end: &EndCondition| match end.clone() {
@@ -164,7 +164,7 @@ fn mirrored_ends_are_equal_bit_for_bit() {
     }
 }
 
-/// Events of three transits with this end at the left of a bar with this velocity, and the bar.
+/// Returns the number of events of three transits with this end at the left of a bar with this velocity, and the bar.
 fn followed(end: EndCondition, velocity: f64) -> (u64, FrontTracking) {
     let settings = Settings { front_tolerance: 1e-3, event_budget: 400_000, ..Settings::default() };
     let what = format!("{end:?}");
@@ -177,7 +177,7 @@ fn largest(bar: &FrontTracking) -> f64 {
     largest_lasting(bar, 0.0)
 }
 
-/// Largest pressure at the left end that lasts longer than this, s.
+/// Returns the largest pressure at the left end that lasts longer than `time`, s.
 fn largest_lasting(bar: &FrontTracking, time: f64) -> f64 {
     let steps = &bar.ends()[0].steps;
     let ends = steps.iter().skip(1).map(|next| next.time).chain([f64::INFINITY]);
@@ -196,7 +196,7 @@ fn strikers_of_any_mass_are_followed() {
             let stored = bar.balance().kinetic + bar.balance().elastic;
             assert!(stored <= energy * (1.0 + 1e-9), "{velocity} 1e{exponent}: {stored:e} of {energy:e}");
             let moved = mass * bar.striker(0).expect("there").velocity;
-            // What merging gave to pulses of a 1e9th of the bar's length is booked. Places are rounded to 1e-16 of the bar.
+            // The momentum that merging adds to pulses of 1e-9 of the length of the bar is recorded. Positions are rounded to 1e-16 of the bar.
             let momentum = bar.balance().momentum - bar.balance().shifted + moved;
             assert!((momentum / (mass * velocity) - 1.0).abs() < 1e-6, "{velocity} 1e{exponent}: {momentum:e}");
             println!("{velocity} m/s, 1e{exponent}: {events} events");
@@ -215,8 +215,8 @@ fn springs_of_any_stiffness_are_followed() {
             println!("{velocity} m/s, 1e{exponent}: {events} events");
             if exponent >= 5 {
                 let apart = [0.0, 1e-5 * transit()].map(|time| largest_lasting(&bar, time) / largest(&fixed) - 1.0);
-                // The front tolerance, a few times. In steps of a spring that are far longer than its relaxation more is left: by one
-                // 1e10 times as stiff as the bar 0.6 % for 2e-10 s.
+                // A few times the front tolerance. Steps of a spring much longer than its relaxation leave a larger error: 0.6 % for 2e-10 s with a
+                // spring 1e10 times as stiff as the bar.
                 assert!(apart[0].abs() < 1e-2 && apart[1].abs() < 3e-3, "{velocity} 1e{exponent}: {apart:?}");
             }
             if exponent <= -5 {
@@ -228,7 +228,7 @@ fn springs_of_any_stiffness_are_followed() {
 
 #[test]
 fn balls_of_any_stiffness_are_followed() {
-    // From a contact that gives way for all of the run to a rigid one, which is a striker's.
+    // From a contact that is compliant during the whole run to a rigid one, which is that of a striker.
     let mass = 0.2 * DENSITY * common::BUSY_AREA;
     let (_, struck) = followed(EndCondition::Striker { mass, velocity: 4.0 }, 0.0);
     for exponent in [3, 6, 9, 12, 15, 18, 21] {

@@ -1,14 +1,14 @@
-//! Order of the steps of masses, springs and balls in front tracking: force and impulse of the end's record.
+//! Order of the steps of masses, springs and balls in front tracking: force and impulse in the history of the end.
 
 use barwave::bar::{Bar, EndCondition, Hertz, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::wave::riemann::Flow;
 
-/// m^2.
+/// Cross-section, m^2.
 const AREA: f64 = 0.5;
 
-/// A bar with `E = rho = c0 = 1` that does not yield, of area `AREA`, length 1 and velocity `velocity`.
+/// Returns a bar with `E = rho = c0 = 1` that does not yield, of area `AREA`, length 1 and velocity `velocity`.
 fn bar(ends: [EndCondition; 2], velocity: f64, step: f64) -> FrontTracking {
     let curve = Curve::new(&[(1e6, 1e6)], Beyond::Extend).expect("rows are right");
     let segment =
@@ -22,25 +22,25 @@ fn bar(ends: [EndCondition; 2], velocity: f64, step: f64) -> FrontTracking {
     )
 }
 
-/// Largest compressive force of the end's record, N.
+/// Returns the largest compressive force in the history of the end, N.
 fn peak(bar: &FrontTracking) -> f64 {
     AREA * bar.ends()[0].steps.iter().map(|step| -step.stress).fold(0.0, f64::max)
 }
 
-/// Impulse of the end's record from 0 to t, N s.
+/// Returns the impulse in the history of the end from 0 to t, N s.
 fn impulse(bar: &FrontTracking, t: f64) -> f64 {
     let steps = &bar.ends()[0].steps;
     let next = steps.iter().skip(1).map(|step| step.time).chain([t]);
     AREA * steps.iter().zip(next).map(|(step, next)| -step.stress * (next.min(t) - step.time).max(0.0)).sum::<f64>()
 }
 
-/// Times at which impulses are compared: between steps as well as at their ends.
+/// Returns times at which impulses are compared: within steps as well as at their ends.
 fn times() -> impl Iterator<Item = f64> {
     (1..400).map(|k| 1.9 * f64::from(k) / 400.0)
 }
 
-/// Integral over time, up to 1.9, of the difference between the forces of the record, each of which is the mean of a step, and
-/// those in the middle of the steps.
+/// Returns the integral over time, up to 1.9, of the error of the recorded forces, each of which is the mean of a step and is compared with the exact
+/// force in the middle of the step.
 fn missed_force(bar: &FrontTracking, exact: impl Fn(f64) -> f64) -> f64 {
     let steps = bar.ends()[0].steps.windows(2).filter(|pair| pair[1].time < 1.9);
     let missed = steps.map(|pair| {
@@ -50,9 +50,9 @@ fn missed_force(bar: &FrontTracking, exact: impl Fn(f64) -> f64) -> f64 {
     missed.sum()
 }
 
-/// Checks that the errors of peak force, force and impulse fall at least with the power 1.8 of the step, over four halvings of
-/// the step `first`; those below 1e-7 are the rounding of the first step after a jump.
-/// (How the largest force lies to the steps is a matter of chance: between neighbouring steps the order of its error jumps.)
+/// Checks that the errors of peak force, force and impulse decrease at least with the power 1.8 of the step, over four halvings of the step `first`.
+/// Errors below 1e-7 are rounding of the first step after a jump. (The position of the largest force relative to the steps is arbitrary, so that the
+/// order of its error between neighbouring steps varies.)
 #[track_caller]
 fn check_orders(first: f64, missed: impl Fn(f64) -> [f64; 3]) {
     let errors = [1.0, 0.5, 0.25, 0.125, 0.0625].map(|part| missed(first * part));
@@ -64,7 +64,7 @@ fn check_orders(first: f64, missed: impl Fn(f64) -> [f64; 3]) {
     }
 }
 
-/// The largest error of the impulse over all times.
+/// Returns the largest error of the impulse at any of the times.
 fn missed_impulse(bar: &FrontTracking, exact: impl Fn(f64) -> f64) -> f64 {
     times().map(|t| (impulse(bar, t) - exact(t)).abs()).fold(0.0, f64::max)
 }
@@ -85,7 +85,7 @@ fn the_force_of_a_rigid_mass_is_of_second_order() {
 #[test]
 fn the_force_of_a_spring_is_of_second_order() {
     let stiffness = 0.8;
-    // Up to t = 2 the compression s follows s' + a s = 1; then 2 exp(-a (t - 2)) - 1 comes from the free end.
+    // Up to t = 2, the compression s satisfies s' + a s = 1; then 2 exp(-a (t - 2)) - 1 arrives from the free end.
     let a = stiffness / AREA;
     let risen = |t: f64| (1.0 - (-a * t).exp()) / a;
     let late = (-2.0 * a).exp() / (2.0 * a);
@@ -98,8 +98,8 @@ fn the_force_of_a_spring_is_of_second_order() {
     });
 }
 
-/// Forces of a ball against an end that gives way by F/AREA at even times up to `until`, and its impulses up to then:
-/// classical Runge-Kutta.
+/// Returns the forces of a ball on an end that moves with the velocity F/AREA, at equidistant times up to `until`, and its impulses up to then, by
+/// the classical Runge-Kutta method.
 fn ball_alone(contact: Hertz, mass: f64, velocity: f64, until: f64) -> Vec<[f64; 2]> {
     let steps = 200_000;
     let dt = until / f64::from(steps);

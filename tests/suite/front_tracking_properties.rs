@@ -1,5 +1,5 @@
-//! What front tracking must keep whatever the bar: random concave curves, one or two segments, bonded or laid together,
-//! every kind of end with random histories, every flow rule, with and without a front tolerance.
+//! Properties of front tracking for any bar: random concave curves, one or two segments, bonded or in contact, every kind of end with random
+//! histories, every flow rule, with and without a front tolerance.
 
 use std::sync::Arc;
 
@@ -10,11 +10,11 @@ use barwave::wave::riemann::Flow;
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseResult;
 
-/// Events of a case: fronts may multiply without a limit, and then the case is looked at as far as it got.
+/// Largest number of events of a case. Fronts may multiply without limit; the case is then checked up to the last event.
 const BUDGET: u64 = 400;
 
-/// A curve whose slopes fall: 2 to 10 knots beside the origin, in units of E = 1, of a density of its own; this share of
-/// them ends level.
+/// Returns a curve with decreasing slopes: 2 to 10 knots besides the origin, in units of E = 1, with a random density; the fraction `level` of the
+/// curves ends level.
 fn curve(level: f64) -> impl Strategy<Value = Arc<Material>> {
     let lines = prop::collection::vec((0.15..0.95_f64, 0.1..3.0_f64), 1..10);
     let level = prop::bool::weighted(level);
@@ -35,7 +35,7 @@ fn curve(level: f64) -> impl Strategy<Value = Arc<Material>> {
     })
 }
 
-/// Steps of up to 3 either way, at times that no wave knows of; some with a ramp between.
+/// Returns a history with steps of up to 3 in either sense, at times unrelated to those of the waves; some have a ramp in between.
 fn history() -> impl Strategy<Value = History> {
     let rows = prop::collection::vec((0.05..0.9_f64, -3.0..3.0_f64), 1..5);
     (rows, prop::bool::weighted(0.2)).prop_map(|(rows, ramp)| {
@@ -86,11 +86,11 @@ fn bar(level: f64) -> impl Strategy<Value = Bar> {
     prop::collection::vec(segment(level), 1..3).prop_map(|segments| Bar { segments, area_given: true })
 }
 
-/// Pieces lie side by side from end to end, and every state is a number.
+/// Checks that the pieces are contiguous from end to end, and that every state is finite.
 fn in_order(bar: &FrontTracking, length: f64) -> TestCaseResult {
     let mut at = 0.0;
     for piece in bar.pieces() {
-        // Fronts meet to 1e-13 of the length; 400 events do not add up to more than this.
+        // Interactions are exact to 1e-13 of the length; 400 events do not accumulate more than this.
         prop_assert!((piece.from - at).abs() < 1e-11 * length && piece.to >= piece.from, "{} {at}", piece.from);
         let point = piece.point;
         prop_assert!(point.stress.is_finite() && point.velocity.is_finite() && point.plastic.is_finite());
@@ -104,7 +104,7 @@ fn in_order(bar: &FrontTracking, length: f64) -> TestCaseResult {
 }
 
 fn follow(bar: &Bar, flow: Flow, ends: [EndCondition; 2], front_tolerance: f64) -> TestCaseResult {
-    // Ramps and bodies in coarse steps, so that a few hundred events show something.
+    // Ramps and bodies have coarse steps, so that a few hundred events suffice.
     let settings = Settings { front_tolerance, ramp_step: Some(0.1), event_budget: BUDGET, ..Settings::default() };
     let length = bar.length();
     let mut tracked = FrontTracking::new(bar, flow, ends, settings);
@@ -118,20 +118,18 @@ fn follow(bar: &Bar, flow: Flow, ends: [EndCondition; 2], front_tolerance: f64) 
         momentum_scale = sum.impulse.iter().fold(momentum_scale, |m: f64, i| m.max(i.abs()));
         energy_scale = sum.work.iter().fold(energy_scale, |m: f64, w| m.max(w.abs()));
         let impulse = sum.momentum - start.momentum - sum.impulse[0] - sum.impulse[1];
-        // Fronts nearer than 1e-13 of the bar are taken as one, with a tolerance 1e-8 of it; a few hundred events, few of
-        // which shift anything.
+        // Fronts closer than 1e-13 of the bar count as one, with a front tolerance 1e-8 of that; a few hundred events, few of which shift anything.
         let exact = front_tolerance == 0.0;
         let bound = if exact { 1e-11 } else { 1e-5 * front_tolerance };
         prop_assert!(impulse.abs() < 10.0 * bound * momentum_scale, "momentum {impulse:e} {sum:?}");
         let energy = sum.total() - start.total() - sum.work[0] - sum.work[1];
-        // What is lost where nodes are taken as one goes with the density of energy there, which is large where a curve is
-        // all but level.
+        // The energy lost where nodes count as one is proportional to the local energy density, which is large where a curve is almost level.
         let densest =
             |piece: Piece| tracked.medium(piece.segment).area * tracked.medium(piece.segment).energy(piece.point);
         energy_scale = tracked.pieces().map(|piece| length * densest(piece)).fold(energy_scale, f64::max);
         prop_assert!(energy.abs() < 10.0 * bound * energy_scale, "energy {energy:e} {sum:?}");
-        // Kinematic hardening stores energy and gives it back, the path-independent law all of it: only the plastic work of
-        // isotropic hardening is dissipation.
+        // Kinematic hardening stores energy and returns it, the path-independent law returns all of it: only the plastic work of isotropic hardening
+        // is dissipation.
         if exact && flow == (Flow::Plastic { kinematic: 0.0 }) {
             prop_assert!(sum.plastic >= dissipated - 1e-11 * energy_scale, "{} < {dissipated}", sum.plastic);
             dissipated = sum.plastic;

@@ -1,4 +1,4 @@
-//! Front tracking at the limit of what places, times and tolerances resolve.
+//! Front tracking at the limit of resolution of positions, times and tolerances.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -7,7 +7,7 @@ use barwave::run::{self};
 use barwave::scene::Scene;
 use barwave::solver::moc::{FINEST_STEP, Settings};
 
-/// A bilinear bar whose left end moves as `history` says.
+/// Returns a bilinear bar whose left end moves according to `history`.
 fn scene(history: &str, tolerance: f64) -> Scene {
     let text = format!(
         r#"

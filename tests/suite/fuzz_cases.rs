@@ -1,4 +1,4 @@
-//! Inputs that fuzzing found, through the entry points that the fuzz targets call; see docs/extending.md.
+//! Inputs found by fuzzing, through the entry points that the fuzz targets call; see docs/extending.md.
 
 #[path = "../../fuzz/src/entries.rs"]
 mod entries;
@@ -6,7 +6,7 @@ mod entries;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The files of a folder of the package, in order; none where it is missing.
+/// Returns the files of a folder of the package, sorted; none if it does not exist.
 fn files(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut files: Vec<PathBuf> =

@@ -1,4 +1,4 @@
-//! The hard cases, by every method, through the program: every check holds, and the page of the documentation is what they give.
+//! The hard cases with every method through the program: every check passes, and the page of the documentation shows the results.
 
 use crate::common::binary;
 
@@ -22,7 +22,7 @@ fn every_method_passes_the_checks_or_says_why_not() {
     assert_eq!(page, std::fs::read_to_string(&kept).expect("a page"), "docs/hard-cases.md is not up to date");
 }
 
-/// Every scene in the folder is a case, with an explanation.
+/// Every scene in the folder is a hard case with an explanation.
 #[test]
 fn every_scene_is_a_case() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hard_cases");

@@ -1,5 +1,5 @@
-//! The effect `heat`: adiabatic curves against closed forms, bars that run on them by both methods, and the law whose
-//! temperature is a state of its own.
+//! The effect `heat`: adiabatic curves against closed forms, bars with adiabatic curves with both methods, and the law whose temperature is a state
+//! variable.
 
 use crate::common;
 
@@ -22,7 +22,7 @@ use proptest::prelude::*;
 const REFERENCE: f64 = 300.0;
 const MELTING: f64 = 1300.0;
 
-/// Ten times lighter to warm than steel, so that it counts: 1 % of strain at 300 MPa is 35 K of the 1000 K to melting.
+/// A hundredth of the specific heat of steel, so that the effect is large: 1 % of strain at 300 MPa is 35 K of the 1000 K to melting.
 const SPECIFIC_HEAT: f64 = 10.0;
 
 fn with_constants(mut material: Material, exponent: f64) -> Material {
@@ -45,7 +45,7 @@ fn effects(hardening: HardeningRule, rate: Option<Rate>) -> Effects {
     Effects { hardening: Some(hardening), rate, heat, ..Effects::default() }
 }
 
-/// The general law, whose temperature is a state, with flow that takes no time.
+/// The general law, whose temperature is a state variable, with instantaneous flow.
 const STATE: Option<Rate> = Some(Rate::Malvern { k: 1e300 });
 
 fn bar(segments: Vec<Segment>, ends: [EndCondition; 2], effects: &Effects, cells: usize) -> Leapfrog {
@@ -59,7 +59,7 @@ fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-/// Rises smoothly to `velocity`, goes back, and is released.
+/// Returns an end whose velocity rises smoothly to `velocity`, decreases, and which is then released.
 fn pulse(velocity: f64) -> EndCondition {
     let rows: Vec<(f64, f64)> = (0..=64)
         .map(|k| f64::from(k) / 64.0)
@@ -68,7 +68,7 @@ fn pulse(velocity: f64) -> EndCondition {
     common::moved_by(&rows)
 }
 
-/// Work that warms the material to melting if the stress stayed at the yield stress: plastic strain.
+/// Returns the plastic strain whose work would heat the material to melting if the stress remained at yield.
 fn scale(fraction: f64) -> f64 {
     DENSITY * SPECIFIC_HEAT * (MELTING - REFERENCE) / (fraction * YIELD)
 }
@@ -89,10 +89,10 @@ fn perfect_plasticity_softens_exponentially() {
         for (e, s) in curve.strain().iter().zip(curve.stress()).skip(1).take_while(|(e, _)| **e < 2.0) {
             knots = knots.max((s / YIELD - (-(e - s / MODULUS) / scale(fraction)).exp()).abs());
         }
-        // Between the knots the table's own tolerance; at the knots rounding, of strain differences around 1.
+        // Between the knots the tolerance of the table; at the knots rounding, of strain differences around 1.
         assert!(worst < 1e-4 && knots < 1e-12, "{beyond:?}: {worst:e} {knots:e}");
         let heating = warm.heating.as_ref().expect("it heats");
-        // Solvers follow the falling curve level, so that there the work goes on as p Y, until the metal melts.
+        // Solvers replace the falling curve by a level one, along which the plastic work is p Y until the metal melts.
         let level = heating.temperature(Sense::Tension, 0.1) - REFERENCE;
         assert!((level / ((MELTING - REFERENCE) * 0.1 / scale(fraction)) - 1.0).abs() < 1e-12, "{level}");
         assert_eq!(heating.temperature(Sense::Tension, 10.0), MELTING);
@@ -103,7 +103,7 @@ fn perfect_plasticity_softens_exponentially() {
     }
 }
 
-/// Linear hardening f = Y + H p with m = 1: stress (Y + H p) exp(-(Y p + H p^2/2)/(rho c (Tm - Tr)/chi)), largest where
+/// Linear hardening f = Y + H p with m = 1: the stress is (Y + H p) exp(-(Y p + H p^2/2)/(rho c (Tm - Tr)/chi)), with its maximum where
 /// f^2 = H rho c (Tm - Tr)/chi.
 #[test]
 fn linear_hardening_has_its_largest_stress_where_softening_overtakes() {
@@ -157,7 +157,7 @@ fn on_the_adiabatic_curve_a_cell_keeps_nothing_more() {
     assert_eq!(law(heated(power_law_steel(), 1.0, 0.9)), law(power_law_steel()));
 }
 
-/// Relative L1 difference of the stresses of two bars over the looks of a run.
+/// Returns the relative L1 difference of the stresses of two bars at several times of a run.
 fn difference(
     (cells, left): (usize, EndCondition),
     material: &Material,
@@ -185,12 +185,12 @@ fn tracked(material: &Material, ends: [EndCondition; 2]) -> FrontTracking {
     FrontTracking::new(&bar, flow(&effects(HardeningRule::Isotropic, None)), ends, settings)
 }
 
-/// Loading, unloading and reflection from a fixed end: both methods run on the one adiabatic curve.
+/// Loading, unloading and reflection from a fixed end: both methods use the same adiabatic curve.
 #[test]
 fn both_methods_agree_on_a_bar_that_warms() {
     let rows = [(0.001, YIELD), (0.004, 260e6), (0.02, 330e6), (0.06, 400e6)];
     let warm = heated(material(&rows, Beyond::Rupture), 1.09, 0.9);
-    // Pulled at once, and released when the elastic wave is half-way through.
+    // Pulled suddenly, and released when the elastic wave is half-way.
     let left = || EndCondition::Velocity { history: common::history(&[(0.0, -25.0)]), release: Some(0.5 / c0()) };
     let by_cells = |cells: usize| {
         let mut tracked = tracked(&warm, [left(), EndCondition::Fixed]);
@@ -203,12 +203,12 @@ fn both_methods_agree_on_a_bar_that_warms() {
         difference((cells, left()), &warm, &mut read, &effects(HardeningRule::Isotropic, None))
     };
     let [coarse, fine] = [400, 1600].map(by_cells);
-    // As without heat: the plastic fronts of a grid are a few cells wide.
+    // As without heat, the plastic fronts of a grid are a few cells wide.
     assert!(fine < 1e-2 && fine < 0.45 * coarse, "{coarse:e} {fine:e}");
 }
 
-/// The general law is that of the curve where hardening is isotropic, in a whole bar with its reflections, too: what is off is
-/// the table's tolerance. (Elastic ripples in the unloaded bar, which are damped cell by cell or not, differ by more.)
+/// In a whole bar with reflections, too, the general law agrees with the adiabatic curve if hardening is isotropic: the difference is the tolerance
+/// of the table. (Elastic ripples in the unloaded bar, which are damped in some cells only, cause larger differences.)
 #[test]
 fn a_bar_whose_temperature_is_a_state_is_that_of_the_curve() {
     let warm = heated(power_law_steel(), 1.09, 0.9);
@@ -227,7 +227,7 @@ fn a_bar_whose_temperature_is_a_state_is_that_of_the_curve() {
     }
 }
 
-/// Stress of a cell after a strain path, by the general law in steps of one strain, and on the adiabatic curve.
+/// Returns the stresses of a cell along a strain path, with the general law in equal strain steps, and on the adiabatic curve.
 fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> Vec<f64> {
     let law = stepped_law(&segment(material.clone(), 1.0), effects, 1e-6).law;
     let (mut sigma, mut state) = (vec![0.0], vec![0.0; law.state_len()]);
@@ -246,8 +246,8 @@ fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> 
     seen
 }
 
-/// What a cell of the general law is off along a path of loading, more loading, and elastic unloading is of second order in the
-/// step; without steps it is on the adiabatic curve, as far as that is a table.
+/// The error of a cell with the general law along loading, further loading and elastic unloading is of second order in the step; in the limit it is
+/// on the adiabatic curve, to the tolerance of the table.
 #[test]
 fn a_temperature_that_is_a_state_tends_to_that_of_the_curve() {
     let path = [0.01, 0.03, 0.029];
@@ -256,7 +256,7 @@ fn a_temperature_that_is_a_state_tends_to_that_of_the_curve() {
         let warm = heated(power_law_steel(), exponent, 0.9);
         let by_steps = |steps: usize| along(&warm, &path, steps, &effects(HardeningRule::Isotropic, STATE));
         let (limit, curve) = (by_steps(5000), along(&warm, &path, 5000, &effects(HardeningRule::Isotropic, None)));
-        // The table's tolerance, 1e-4 of the largest cold stress, over the yield stress.
+        // Tolerance of the table, 1e-4 of the largest cold stress, relative to the yield stress.
         assert!(off(&limit, &curve) < 1e-4 * 2.2, "{exponent}: {:e}", off(&limit, &curve));
         let errors = [10, 40, 160].map(|steps| off(&by_steps(steps), &limit));
         assert!(errors[1] < errors[0] / 8.0 && errors[2] < errors[1] / 8.0, "{exponent}: {errors:?}");
@@ -271,7 +271,7 @@ fn reversed_loading_heats_in_both_senses() {
         let temperatures: Vec<f64> = seen.chunks(2).map(|pair| pair[1]).collect();
         assert!(temperatures[0] > 1.0 && temperatures.is_sorted_by(|a, b| a < b), "{temperatures:?}");
     }
-    // Kinematic, Y = 200 MPa, reversed at f = 370 MPa: the stress that flows back starts at 370 - 2 200 MPa = -30 MPa.
+    // Kinematic hardening, Y = 200 MPa, reversed at f = 370 MPa: reverse flow starts at 370 - 2 200 MPa = -30 MPa.
     let law =
         |heat| along(&heated(bilinear_steel(), 1.0, heat), &[0.01, 0.0], 400, &effects(HardeningRule::Kinematic, None));
     let (warm, cold) = (law(0.9), law(0.0));
@@ -287,7 +287,7 @@ fn run(bar: &mut Leapfrog, steps: usize) -> Ledger {
     ledger
 }
 
-/// Heat in the cells, J: rho c (T - Tr) dV.
+/// Returns the heat in the cells, rho c (T - Tr) dV, J.
 fn stored(bar: &Leapfrog) -> f64 {
     let rise: f64 = profile(bar, Quantity::Temperature).iter().map(|t| t - REFERENCE).sum();
     DENSITY * SPECIFIC_HEAT * rise / bar.grid().cells() as f64
@@ -311,12 +311,12 @@ fn the_energy_account_closes_with_the_heat_in_it() {
             let sum = bar.energies();
             assert!(sum.heat > 0.0 && sum.plastic > 0.0);
             if rate.is_none() {
-                // Only the damping of ripples is in `viscous` then.
+                // The viscoplastic energy then contains only the damping of ripples.
                 assert!((sum.heat / (sum.plastic + sum.heat) - 0.7).abs() < 1e-12, "{sum:?}");
             }
             missed.push((stored(&bar) / sum.heat - 1.0).abs());
         }
-        // The account takes the work of a step as that of its mean stress: second order. The damping of ripples adds some.
+        // The ledger computes the work of a step with its mean stress: second order. The damping of ripples adds a small part.
         assert!(missed[1] < 1e-4 && missed[1] < missed[0], "{hardening:?} {rate:?}: {missed:?}");
     }
 }
@@ -337,11 +337,11 @@ fn by_front_tracking_the_heat_is_that_of_the_plastic_work() {
     for piece in bar.pieces() {
         let temperature = bar.temperature(0, piece.point);
         heat += DENSITY * SPECIFIC_HEAT * (temperature - REFERENCE) * (piece.to - piece.from);
-        // The states that are reached along a curve that never stiffens are on it: their work is that of the curve.
+        // States along a curve that never stiffens are on it, so that their work is that of the curve.
         let of_curve =
             warm.heating.as_ref().expect("it heats").temperature(Sense::Tension, piece.point.accumulated / MODULUS);
         flowed += usize::from(piece.point.accumulated > 0.0);
-        // Meetings that the front tolerance averages keep strain and energy, not their relation.
+        // Interactions that the front tolerance averages conserve strain and energy, but not their relation.
         assert!((temperature - of_curve).abs() < 1e-3 * (MELTING - REFERENCE), "{temperature} {of_curve}");
     }
     assert!(flowed > 5 && (heat / sum.heat - 1.0).abs() < 1e-12, "{flowed} {heat} {}", sum.heat);
@@ -350,7 +350,7 @@ fn by_front_tracking_the_heat_is_that_of_the_plastic_work() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Whatever is done to a cell: no melting, no stress from nothing, no loss of a number.
+    /// No load on a cell causes melting, stress from nothing, or NaN.
     #[test]
     fn no_load_is_too_violent(
         steps in prop::collection::vec(-3.0_f64..3.0, 1..40),
@@ -374,8 +374,8 @@ proptest! {
         }
     }
 
-    /// The adiabatic curve of any curve: never above the cold one at the same plastic strain, never below zero, as far in
-    /// plastic strain as that; and the temperature never falls.
+    /// The adiabatic curve of any curve is never above the cold one at the same plastic strain, is never negative, and extends to the same plastic
+    /// strain; the temperature never decreases.
     #[test]
     fn any_curve_can_be_heated(
         steps in prop::collection::vec((1e-4_f64..0.05, -0.3_f64..1.0), 1..12),
@@ -386,7 +386,7 @@ proptest! {
         let mut rows = vec![(0.001, YIELD)];
         for (width, rise) in steps {
             let (e, s) = rows[rows.len() - 1];
-            // No slope steeper than elastic, no stress below zero.
+            // No slope is steeper than the elastic one, and no stress is negative.
             rows.push((e + width, (s + rise * width.min(1e-3) * MODULUS).max(0.1 * YIELD)));
         }
         let beyond = if extends { Beyond::Extend } else { Beyond::Rupture };
@@ -419,7 +419,7 @@ fn what_is_missing_is_said() {
     let mut some = with_constants(bilinear_steel(), 1.0);
     some.constants.heat.melting_temperature = None;
     assert_eq!(some.heated(None).expect_err("one is missing"), HeatingError::Missing(vec!["melting-temperature"]));
-    // An elastic bar has nothing that could heat it.
+    // An elastic bar has no plastic work that could heat it.
     assert!(common::elastic_steel().heated(None).expect("nothing is needed").heating.is_none());
     let own = |m: Material, f| m.heated(f).expect("all there").heating.expect("it heats").fraction;
     let mut stated = with_constants(bilinear_steel(), 1.0);
@@ -430,7 +430,7 @@ fn what_is_missing_is_said() {
     );
 }
 
-/// A scene with a soft metal that warms quickly.
+/// Returns a scene with a soft metal of small heat capacity.
 fn scene(effects: &str, solve: &str) -> Result<Scene, String> {
     pulled_at(60.0, effects, solve)
 }
@@ -472,7 +472,7 @@ fn heat_implies_unloading_and_says_which_method_follows_it() {
     }
 }
 
-/// Rate-independent and isotropic, a warming bar runs on its adiabatic curve: that is all the conservative scheme needs.
+/// A rate-independent bar with isotropic hardening and heat follows its adiabatic curve, which is all that the conservative scheme needs.
 #[test]
 fn the_conservative_scheme_follows_the_adiabatic_curve_too() {
     let effects = "heat = { fraction = 0.8 }";
@@ -481,7 +481,7 @@ fn the_conservative_scheme_follows_the_adiabatic_curve_too() {
     let mut leapfrog = barwave::assemble::leapfrog(&plain, 1000, 1.0);
     let mut muscl = barwave::assemble::muscl(&other, 1000, 1.0);
     let mut ledger = Ledger::new(&muscl);
-    // To just before the elastic wave is back.
+    // Until shortly before the elastic wave returns.
     for _ in 0..1900 {
         leapfrog.advance();
         muscl.advance();
@@ -496,7 +496,7 @@ fn the_conservative_scheme_follows_the_adiabatic_curve_too() {
         assert!(total > 0.0);
         a.iter().zip(&b).map(|(a, b)| (a - b).abs()).sum::<f64>() / total
     };
-    // Fronts are a few cells wide by both schemes, and nowhere near as wide as the plastic zone.
+    // With both schemes, fronts are a few cells wide, much less than the plastic zone.
     assert!(missed(Quantity::Stress, 0.0) < 5e-3, "{}", missed(Quantity::Stress, 0.0));
     assert!(missed(Quantity::Temperature, 300.0) < 2e-2, "{}", missed(Quantity::Temperature, 300.0));
     let sum = muscl.energies();
@@ -505,8 +505,8 @@ fn the_conservative_scheme_follows_the_adiabatic_curve_too() {
     assert!(refused.contains("heat") && refused.contains("leapfrog"), "{refused}");
 }
 
-/// Softening brings the largest engineering stress, and with it the critical strain, to less than half the strain of the
-/// cold curve; both methods break the bar there.
+/// Softening moves the maximum of the engineering stress, and with it the critical strain, to less than half the strain of the cold curve; with both
+/// methods the bar fractures there.
 #[test]
 fn a_bar_that_warms_breaks_at_the_largest_stress_of_the_adiabatic_curve() {
     let effects = "heat = { fraction = 1 }\nrupture = \"critical-strain\"";
@@ -529,7 +529,7 @@ fn a_bar_that_warms_breaks_at_the_largest_stress_of_the_adiabatic_curve() {
     }
     let (by_fronts, by_cells) = (&tracked.ruptures()[0], &grid.ruptures()[0]);
     assert!((by_fronts.strain / critical.strain - 1.0).abs() < 1e-9 && by_fronts.time == 0.0, "{by_fronts:?}");
-    // On the grid strain has to gather in the end's first cell, with a fifth on top.
+    // On the grid, strain must accumulate in the first cell of the end, with an excess of a fifth.
     assert!(by_cells.strain > critical.strain && by_cells.strain < 1.3 * critical.strain, "{by_cells:?}");
     let cold = at("rupture = \"critical-strain\"\nhardening = \"isotropic\"", "method = \"moc\"");
     let mut cold_bar =
@@ -538,8 +538,8 @@ fn a_bar_that_warms_breaks_at_the_largest_stress_of_the_adiabatic_curve() {
     assert!(cold_bar.ruptures().first().is_none_or(|r| r.time > 0.0), "{:?}", cold_bar.ruptures());
 }
 
-/// A bar at 1043 K carries half the stress of the cold one. Its critical velocity was that of the cold bar, 57.8 m/s, and its temperature rise counted from
-/// the reference temperature: 770 K for 20 K.
+/// A bar at 1043 K carries half the stress of the cold one. Its critical velocity is not that of the cold bar, 57.8 m/s, and its temperature rise is
+/// relative to its own initial temperature (20 K, and not 770 K).
 #[test]
 fn a_warm_bar_has_its_own_critical_velocity_and_rises_from_its_own_temperature() {
     let scene = |velocity: f64, fraction: f64| {
@@ -553,7 +553,7 @@ fn a_warm_bar_has_its_own_critical_velocity_and_rises_from_its_own_temperature()
         );
         Scene::parse("warm", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"))
     };
-    // 150 MPa, then half the plastic slope 200 MPa/(0.1 - 0.001), over which it comes to 250 MPa.
+    // 150 MPa, then half the plastic slope 200 MPa/(0.1 - 0.001), along which it reaches 250 MPa.
     let (density, modulus, slope) = (7800.0_f64, 200e9_f64, 100e6 / (0.1 - 0.001));
     let tangent = slope * modulus / (slope + modulus);
     let exact = 150e6 / (density * modulus).sqrt() + 100e6 / (density * tangent).sqrt();

@@ -1,4 +1,4 @@
-//! Records of split-Hopkinson tests: unequal bars, gauges at other distances than stated, gauges without a signal.
+//! Records of split-Hopkinson tests: unequal bars, wrong gauge distances, gauges without a signal.
 
 use crate::common::binary;
 use crate::invert::{KOLSKY, Kolsky, MICRO, joined};
@@ -6,7 +6,7 @@ use crate::invert::{KOLSKY, Kolsky, MICRO, joined};
 use barwave::study::invert::hopkinson::{ElasticBar, Moment, Options, Records, Setup, reduce};
 use binary::{json, refused};
 
-/// By one wave the strain rate between a steel bar and an aluminium bar was 1.6 times too large.
+/// The one-wave strain rate accounts for different bars of steel and aluminium; with equal bars assumed, it would be 1.6 times too large.
 #[test]
 fn one_wave_and_three_waves_agree_in_equilibrium_between_unequal_bars() {
     let steel = ElasticBar { modulus: 200e9, density: 8000.0, area: 2e-4, distance: 1.0 };
@@ -26,7 +26,7 @@ fn one_wave_and_three_waves_agree_in_equilibrium_between_unequal_bars() {
     };
     let options = Options { window: None, limit: None, equilibrium: 0.05, poisson: 0.29 };
     let reduced = reduce(&setup, &records, &options).expect("a test");
-    // Faces approach by c1 (i - r) - c2 t, both bars have 5000 m/s.
+    // The faces approach each other with c1 (i - r) - c2 t; both bars have 5000 m/s.
     let rate = 5000.0 * (i - r - t) / 0.01;
     for part in [0.25, 0.5, 0.75] {
         let moment: Moment = reduced.moments[(part * reduced.moments.len() as f64) as usize];
@@ -39,18 +39,19 @@ fn one_wave_and_three_waves_agree_in_equilibrium_between_unequal_bars() {
     assert_eq!(reduced.warnings, [""; 0]);
 }
 
-/// A distance that the program says fits, m.
+/// Returns the distance that the program proposes, m.
 fn fitting(message: &str) -> f64 {
     let (_, rest) = message.split_once("a distance of ").unwrap_or_else(|| panic!("no distance: {message}"));
     rest.split_whitespace().next().and_then(|number| number.parse().ok()).expect("a number")
 }
 
-/// A gauge that was stated 5 cm too near gave stresses 4 % off without a warning; 5 cm too far, the incident pulse was called too long.
+/// A stated gauge distance that is 5 cm too small, which gives a stress error of 4 %, causes a warning; one that is 5 cm too large is not reported as
+/// too long an incident pulse.
 #[test]
 fn the_arrival_of_the_reflected_pulse_tells_the_distance_of_the_gauge() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    // 1 m from the specimen.
+    // The gauge is 1 m from the specimen.
     Kolsky::of(200e-6).write(&path.join("test.csv"), MICRO, [0.0; 2]);
     let with = |distances: &'static str| -> Vec<&str> {
         let of = KOLSKY.iter().map(|a| if *a == "1m,1m" { distances } else { *a }).collect::<Vec<_>>();
@@ -71,7 +72,7 @@ fn the_arrival_of_the_reflected_pulse_tells_the_distance_of_the_gauge() {
     }
 }
 
-/// A dead gauge on the transmission bar gave stresses of half of what the other gauge said.
+/// A gauge without a signal on the transmission bar, which would give half the stresses of the other gauge, is refused.
 #[test]
 fn a_gauge_on_the_transmission_bar_without_a_pulse_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! Spheres, plates and beams through the real binary: the textbook's numbers, ledgers, result files, reports, plans and cost studies.
+//! Spheres, plates and beams through the real binary: numbers of the textbook, ledgers, result files, reports, plans and cost studies.
 
 use std::process::Command;
 
@@ -12,7 +12,7 @@ fn restitution_and_pendulum_have_the_textbook_s_velocities() {
     let summary = run("spheres-restitution.toml", &[]);
     within(&summary, "striker_velocity_m_s", -0.76, 1e-14);
     within(&summary, "struck_velocity_m_s", 2.84, 1e-14);
-    // 2*25/2 + 3/2 before, 2*0.5776/2 + 3*8.0656/2 after.
+    // 2*25/2 + 3/2 before the impact, 2*0.5776/2 + 3*8.0656/2 after it.
     within(&summary, "energy_lost_J", 26.5 - 0.5776 - 12.0984, 1e-12);
     within(&run("ballistic-pendulum.toml", &[]), "striker_velocity_before_m_s", 301.5, 1e-11);
 }
@@ -30,7 +30,7 @@ fn the_energy_method_knows_the_critical_velocity_and_elastic_specimens() {
     assert!((97.0..99.0).contains(&critical), "{critical}");
     let notes = fast["notes"].to_string();
     assert!(notes.contains("above the critical velocity") && notes.contains("exceeds it, too"), "{notes}");
-    // All of the 20 J is elastic: the striker leaves as fast as it came.
+    // All of the 20 J is elastic: the striker rebounds with its initial speed.
     within(&fast, "residual_velocity_m_s", -200.0, 0.0);
     assert!(notes.contains("stays elastic"), "{notes}");
     assert!(!light("50 m/s")["notes"].to_string().contains("exceeds"));
@@ -39,7 +39,7 @@ fn the_energy_method_knows_the_critical_velocity_and_elastic_specimens() {
     within(&still, "strain", 0.0, 0.0);
     within(&still, "residual_velocity_m_s", 0.0, 0.0);
     assert!(!still["notes"].to_string().contains("rebounds"), "{still}");
-    // 80 ft/s of 200 lb yield the specimen, and are below its critical velocity.
+    // 200 lb at 80 ft/s make the specimen yield, and are below its critical velocity.
     let sets = ["specimen.energy=", "specimen.material=\"steel-4340-tempered-315c\""];
     assert_eq!(run("energy-method.toml", &sets)["notes"].to_string(), "[]");
 }
@@ -62,7 +62,7 @@ fn a_ball_rebounds_from_a_fixed_half_space() {
     assert!(mass.contains("a fixed half-space has no `mass`"), "{mass}");
     let pendulum = refused("ballistic-pendulum.toml", &["spheres.half-space=true", "spheres.mass="]);
     assert!(pendulum.contains("a half-space is fixed"), "{pendulum}");
-    // Its density has no part in Hertz's contact.
+    // Its density does not affect Hertz's contact.
     let hertz = ["spheres.half-space=true", "spheres.radius="];
     let force = |more: &str| run("spheres.toml", &[hertz[0], hertz[1], more])["peak_force_N"].clone();
     assert_eq!(force("spheres.density="), force("spheres.density=1000"));
@@ -87,7 +87,7 @@ fn steel_balls_have_hertz_s_numbers() {
     within(&half_space, "striker_velocity_m_s", -1.0, 1e-10);
 }
 
-/// The modulus of a shear curve is not Young's.
+/// The modulus of a shear curve is not Young's modulus.
 #[test]
 fn bodies_need_a_material_that_is_not_in_shear() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -114,7 +114,7 @@ fn waves_leave_a_half_space() {
     let run = |sets: &[&str]| {
         run("spheres.toml", &[["spheres.half-space=true", "spheres.radius="].as_slice(), sets].concat())
     };
-    // Lamb's problem with the pulse of Hertz, both by quadrature; Hunter has 6.2e-3 for steel.
+    // Lamb's problem with Hertz's pulse, both by quadrature; Hunter gives 6.2e-3 for steel.
     let slow = run(&[]);
     within(&slow, "radiated_ratio", 6.72e-3, 0.07e-3);
     assert!(slow["vibration_ratio"].is_null() && slow["notes"] == serde_json::json!([]), "{slow}");
@@ -127,7 +127,7 @@ fn waves_leave_a_half_space() {
 #[test]
 fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
     let notes = |sets: &[&str]| run("spheres.toml", sets)["notes"].to_string();
-    // No curve, nothing known of yield; 1 m/s is slow.
+    // No curve and no yield stress are given; 1 m/s is slow.
     assert_eq!(notes(&[]), "[]");
     let steel = |key: &str| format!("{key}.material=\"mild-steel\"");
     let (one, two) = (steel("spheres"), steel("striker"));
@@ -143,7 +143,7 @@ fn hertz_s_theory_ends_where_the_contact_yields_or_the_spheres_vibrate() {
     assert!(!notes(&["striker.velocity=2500"]).contains("goes into vibration"));
 }
 
-/// A body with a spherical face is as heavy as its mass says; the density of a solid sphere of that mass has no part in its contact.
+/// A body with a spherical face has the given mass; the density of a solid sphere of that mass does not affect its contact.
 #[test]
 fn a_given_mass_is_the_mass() {
     for (name, more) in
@@ -151,7 +151,7 @@ fn a_given_mass_is_the_mass() {
     {
         let folder = tempfile::tempdir().expect("a folder");
         for (radius, mass) in [("10 mm", "500 kg"), ("10 mm", "1e-10 kg"), ("1 km", "1 kg")] {
-            // A sphere is shorter than a beam.
+            // The length of a beam limits that of a sphere.
             if name == "beam.toml" && radius == "1 km" {
                 continue;
             }
@@ -167,7 +167,7 @@ fn a_given_mass_is_the_mass() {
             }
         }
     }
-    // 1e6 m of steel are refused by every command, with the place.
+    // 1e6 m of steel are refused by every command, with the place in the file.
     let folder = tempfile::tempdir().expect("a folder");
     for command in ["plan", "run"] {
         let output = barwave(folder.path(), command, "spheres.toml", &["striker.radius=\"1000 km\""], &[]);
@@ -175,7 +175,7 @@ fn a_given_mass_is_the_mass() {
         assert_eq!(output.status.code(), Some(2), "{command}: {message}");
         assert!(message.contains("`striker.radius`") && message.contains("help:"), "{command}: {message}");
     }
-    // The speed of waves in the ball is that of its material, whatever its mass.
+    // The wave speed in the ball is that of its material, for any mass.
     let vibration = |mass: &str| {
         number(&run("spheres.toml", &["striker.material=\"mild-steel\"", "striker.density=", mass]), "vibration_ratio")
     };
@@ -195,7 +195,7 @@ fn a_report_has_its_notes_in_its_units() {
     assert!(page.contains("critical velocity of the material, 295.668 ft/s"), "{page}");
 }
 
-/// Of a soft ball of 30 mm on a rod of 12 mm the contact would be as wide as the rod.
+/// The contact of a soft ball of 30 mm with a rod of 12 mm would be as wide as the rod.
 #[test]
 fn a_contact_on_a_bar_is_small_compared_with_it() {
     let soft = [
@@ -239,13 +239,13 @@ fn impacts_say_why_they_estimate_no_error() {
     }
 }
 
-/// The foil of lambda = 246 is deflected by three times its thickness, and the ball is not seen to rebound.
+/// The foil with lambda = 246 is deflected by three times its thickness, and the ball does not measurably rebound.
 #[test]
 fn foils_are_beyond_linear_theory_and_throw_nothing_back() {
     let foil = run("plate.toml", &["plate.thickness=\"0.1 mm\""]);
     let notes = foil["notes"].to_string();
     assert!(notes.contains("the contact has not ended at the end time, when the sphere has "), "{notes}");
-    // 0.6793/246^5, and a velocity that is not 0.
+    // 0.6793/246^5, and a nonzero velocity.
     assert!(notes.contains("a coefficient of restitution of 7.5e-13 at lambda = 246.1"), "{notes}");
     assert!(!notes.contains("has 0.00") && !notes.contains("increase `until`"), "{notes}");
     assert!(notes.contains("membrane forces"), "{notes}");
@@ -257,7 +257,7 @@ fn foils_are_beyond_linear_theory_and_throw_nothing_back() {
     assert!(stopped["notes"].to_string().contains("increase `until`"), "{stopped}");
 }
 
-/// Hertz's half-space has no faces that a contact could reach.
+/// Hertz's half-space has no boundaries that a contact could reach.
 #[test]
 fn contacts_are_small_against_the_width_of_a_beam_and_the_thickness_of_a_plate() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -287,7 +287,7 @@ fn beams_note_what_is_beyond_the_theory_of_slender_elastic_beams() {
     assert!(planned("beam.depth=\"2 cm\"").contains("7.675 times as long as deep"));
     assert!(planned("beam.at=\"1 cm\"").contains("struck 1.000 of its depth from a support"));
     assert!(planned("beam.at=\"0.1 um\"").contains("struck 1.000e-5 of its depth from a support"));
-    // A disturbed radius of 92.5 mm by (9.8), over half the width.
+    // A disturbed radius of 92.5 mm by (9.8) is more than half the width.
     assert_eq!(planned("beam.width=\"9 cm\""), "[]");
     let wide = planned("beam.width=\"20 cm\"");
     assert!(
@@ -317,7 +317,7 @@ fn beams_note_what_is_beyond_the_theory_of_slender_elastic_beams() {
 fn the_plate_has_both_coefficients_of_restitution() {
     let thick = run("plate.toml", &[]);
     let e = |summary: &Value, key: &str| summary[key].as_f64().expect("a number");
-    // The first order of both: 1 - 1.7302 lambda and 1 - 1.7725 lambda.
+    // First-order terms of both: 1 - 1.7302 lambda and 1 - 1.7725 lambda.
     let lambda = e(&thick, "inelasticity");
     assert!(lambda < 0.03, "{lambda}");
     within(&thick, "restitution", 1.0 - 1.7302 * lambda, 2.0 * lambda * lambda);
@@ -328,10 +328,10 @@ fn the_plate_has_both_coefficients_of_restitution() {
     let thin = run("plate.toml", &["plate.thickness=\"1.43 mm\""]);
     assert!(e(&thin, "handbook_restitution") < 0.0 && e(&thin, "restitution") > 0.0, "{thin}");
     assert!(thin["notes"].to_string().contains("(9.13) is negative"), "{thin}");
-    // Mindlin's plate, for the pulse of Hertz: 1.74 times the energy at two thicknesses.
+    // Mindlin's plate with Hertz's pulse: 1.74 times the energy at two thicknesses.
     let block = run("plate.toml", &["plate.thickness=\"67 mm\""])["notes"].to_string();
     assert!(block.contains("2.00 of the thickness") && block.contains("takes about 1.7 times the energy"), "{block}");
-    // The plate is disturbed as far as the contact lasts.
+    // The disturbed part of the plate grows with the duration of the contact.
     let spread = |key: &str, time: &str| e(&thin, key) / e(&thin, time).sqrt();
     let ratio = spread("contact_spread_radius_m", "contact_duration_s") / spread("spread_radius_m", "hertz_duration_s");
     assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
@@ -345,14 +345,14 @@ fn the_plate_has_both_coefficients_of_restitution() {
 #[test]
 fn timoshenko_s_beams() {
     let short = run("beam.toml", &[]);
-    // As printed; the gauges and the tolerance are those of the scene.
+    // As printed in the textbook; the gauges and the tolerance are those of the scene.
     within(&short, "contact_duration_s", 156.4e-6, 0.05e-6);
     within(&short, "peak_force_N", 4.9771, 5e-5);
     within(&short, "time_of_peak_s", 72.6e-6, 0.05e-6);
     within(&short, "striker_velocity_m_s", -0.3023e-2, 0.5e-6);
     within(&short, "error", 0.0, 1e-5);
     let long = run("beam.toml", &["beam.length=\"30.7 cm\"", "record.gauges="]);
-    // Printed as 163.3: an eighth-order Runge-Kutta integration with 64 odd modes gives 163.3710.
+    // The printed value is 163.3; an eighth-order Runge-Kutta integration with 64 odd modes gives 163.3710.
     within(&long, "contact_duration_s", 163.371e-6, 0.002e-6);
     within(&long, "contact_duration_s", 163.3e-6, 0.1e-6);
     within(&long, "peak_force_N", 4.9888, 5e-5);
@@ -364,8 +364,8 @@ fn timoshenko_s_beams() {
     }
 }
 
-/// A support does not move: the rounding of sin(n pi) there is no result that could converge.
-/// A beam without damping that is struck at midspan comes to the same deflection with the other sign after half a period: the first counts.
+/// A support does not move: the rounding of sin(n pi) there is not a result that could converge.
+/// An undamped beam struck at midspan has the same deflection with the opposite sign after half a period: the first peak counts.
 #[test]
 fn the_first_of_equal_peaks_of_a_beam_counts() {
     let summary = run("beam.toml", &[]);
@@ -378,11 +378,11 @@ fn the_first_of_equal_peaks_of_a_beam_counts() {
             assert!(peak > 0.0 && time > 0.0 && time < 0.5 * period, "{gauge} {name}: {peak} at {time} of {period}");
         }
     }
-    // A sum of the modes fitted to the free vibration; parabolas through rows of the history were 8e-6 and 14e-6 too high at the two peaks.
+    // Sum of the modes fitted to the free vibration; parabolas through rows of the history would be 8e-6 and 14e-6 too high at the two peaks.
     to_six_digits(&summary, "/gauges/middle/peak_moment_N_m", 9.479_917e-2);
 }
 
-/// Nothing tells how accurate a result with a given number of modes is.
+/// The accuracy of a result with a given number of modes is unknown, which is noted.
 #[test]
 fn a_given_number_of_modes_is_noted() {
     let summary = run("beam.toml", &["solve.modes=64"]);
@@ -400,7 +400,7 @@ fn pages_and_summaries_of_impacts_have_every_figure_once() {
     within(&summary, "reduced_mass_kg", 2.0 / 3.0 * std::f64::consts::PI * 1e-6 * 7850.0, 1e-15);
     let (_, stored) = recorded("energy-method.toml", &[]);
     let names: Vec<&str> = stored.figures.iter().map(|figure| figure.long_name.as_str()).collect();
-    // As in the summary, and no two with one name.
+    // As in the summary, and without duplicate names.
     assert_eq!(
         names[..3],
         ["kinetic energy of the striker", "energy absorbed to fracture", "energy absorbed to fracture per volume"]
@@ -423,8 +423,8 @@ fn gauges_at_the_supports_read_zeros() {
     }
 }
 
-/// A ball of 1 cm radius on a rod of 1 cm: relative radii of 1 cm and 1/3 cm, against an integration of 200 modes with steps of 10 ns and the
-/// stiffness by complete elliptic integrals, 0.7789 of that on a flat face, where it has 919.94 N, 63.13 us, -0.1052 and 2.845 GPa.
+/// A ball of 1 cm radius on a rod of 1 cm: relative radii of 1 cm and 1/3 cm, against an integration of 200 modes with steps of 10 ns. The stiffness,
+/// from complete elliptic integrals, is 0.7789 of that on a flat face, for which the results are 919.94 N, 63.13 us, -0.1052 and 2.845 GPa.
 #[test]
 fn a_round_beam_is_struck_on_its_side() {
     let sets = [
@@ -444,14 +444,14 @@ fn a_round_beam_is_struck_on_its_side() {
     within(&summary, "first_contact_duration_s", 69.86e-6, 0.02e-6);
     within(&summary, "first_restitution", -0.0791, 2e-4);
     within(&summary, "contact_pressure_Pa", 4.1299e9, 1e6);
-    // Axes as 2.072 to 1: of Timoshenko and Goodier's table 1.486 to 0.717.
+    // Semi-axes in the ratio 2.072 to 1; Timoshenko and Goodier's table has 1.486 to 0.717.
     let [along, across] = ["along", "across"].map(|side| number(&summary, &format!("contact_semi_axis_{side}_m")));
     assert!((along / across - 2.07199).abs() < 1e-4, "{along} {across}");
     within(&summary, "contact_area_m2", std::f64::consts::PI * along * across, 1e-12);
 }
 
-/// 17 us of contact and 42 ms of free vibration, which was stepped 300 000 times. The largest strain comes back at half a period and at the
-/// end of it, where all modes meet again, between the rows.
+/// 17 us of contact and 42 ms of free vibration, which must not be integrated in 300 000 steps. The largest strain recurs at half a period and at its
+/// end, where all modes are in phase, between the rows.
 #[test]
 fn free_vibration_takes_few_steps() {
     let light = ["beam.length=\"1 m\"", "striker.radius=\"1 mm\"", "record.gauges={ m = \"0.5 m\" }"];
@@ -472,11 +472,11 @@ fn a_heavy_ball_strikes_the_beam_three_times() {
     assert_eq!(summary["contact_count"], 3, "{summary}");
     let contacts = summary["contacts"].as_array().expect("contacts");
     assert_eq!(contacts.len(), 3);
-    // 434.4, 1782 and 3222 us in Timoshenko's book, by hand.
+    // 434.4, 1782 and 3222 us in Timoshenko's book, computed by hand.
     for (contact, end) in contacts.iter().zip([434.4e-6, 1782e-6, 3222e-6]) {
         within(contact, "end_s", end, 4e-4 * end);
     }
-    // Of the first contact, and of all; each force beside its own time.
+    // Figures of the first contact and of all contacts; each force is at its own time.
     within(&summary, "first_contact_force_N", 9.0079, 1e-3);
     within(&summary, "peak_force_N", 10.298, 1e-3);
     within(&summary, "first_contact_rise_s", 91.29e-6, 0.1e-6);
@@ -485,14 +485,14 @@ fn a_heavy_ball_strikes_the_beam_three_times() {
     // 434.54, 445.24 and 423.37 us.
     within(&summary, "contact_duration_s", 1.30315e-3, 0.2e-6);
     within(&summary, "energy_residual", 0.0, 1e-6);
-    // (9.31) is for one contact of 295 us; the first lasts 434 us. It misses the velocity after it by 6 % of that before.
+    // (9.31) is for one contact of 295 us; the first lasts 434 us. Its error of the velocity after the contact is 6 % of the velocity before it.
     let (e, first) = (&summary["half_sine_restitution"], &summary["first_restitution"]);
     let off = (e.as_f64().expect("a number") - first.as_f64().expect("a number")).abs();
     assert!((0.05..0.07).contains(&off), "{e} {first}");
 }
 
-/// 0.5 kg on a beam of 30 g: it strikes a hundred times, each contact magnifies the errors of the one before, and the numbers of contacts differ on every level.
-/// The study went on to 4096 modes, for minutes, and said `done`. The velocity of the ball is right to some percent.
+/// 0.5 kg on a beam of 30 g: there are a hundred contacts, each magnifies the errors of the previous one, and the numbers of contacts differ at every
+/// level. The study must not continue to 4096 modes, for minutes, and report `done`. The error of the velocity of the ball is a few percent.
 #[test]
 fn contacts_that_do_not_converge_are_not_done() {
     let scene = "[beam]\nlength = 0.4\ndiameter = 6e-3\nmodulus = 70e9\npoisson = 0.33\ndensity = 2700\n\
@@ -517,19 +517,19 @@ fn the_damped_beam_loses_what_its_ledger_says() {
     let summary = run("beam-damped.toml", &[]);
     within(&summary, "energy_residual", 0.0, 1e-6);
     assert!(summary["lowest_damping"].as_f64().expect("a number") > 0.0);
-    // Over-critical from the first mode on: the response is aperiodic, and still integrated to the tolerance.
+    // Overcritical damping from the first mode: the response is aperiodic, and still integrated to the tolerance.
     let over = run("beam-damped.toml", &["beam.external-damping=\"50 kN*s/m^2\""]);
     assert!(over["lowest_damping"].as_f64().expect("a number") > 1.0, "{over}");
     within(&over, "error", 0.0, 1e-4);
     within(&over, "energy_residual", 0.0, 1e-6);
-    // Without damping and foundation at the centre it is the beam of runs/beam.toml.
+    // Without damping and foundation, and at midspan, this is the beam of runs/beam.toml.
     let plain = ["beam.internal-damping=", "beam.external-damping=", "beam.foundation=", "beam.at=", "record.gauges="];
     within(&run("beam-damped.toml", &plain), "peak_force_N", 4.9771, 2e-4);
 }
 
-/// Off the centre with damping below and above critical, a foundation and an axial force, against an integration of 24 modes (15 for the
-/// central impact) with `SciPy`'s implicit Runge-Kutta method, and (9.31) against the quadrature of its pulse on each mode. The modes above
-/// are left out there, which are worth up to 2e-4.
+/// Impact off midspan with damping below and above critical, a foundation and an axial force, against an integration of 24 modes (15 for the central
+/// impact) with `SciPy`'s implicit Runge-Kutta method, and (9.31) against the quadrature of its pulse on each mode. The higher modes, which are
+/// omitted there, contribute up to 2e-4.
 #[test]
 fn beams_agree_with_an_independent_integration() {
     let none = ["beam.internal-damping=", "beam.external-damping=", "beam.foundation="];
@@ -559,14 +559,14 @@ fn mirrored_impacts_and_a_vanishing_axial_force_are_the_same() {
     assert!((left / right - 1.0).abs() < 1e-9, "{left} {right}");
     let none = force(&["record.gauges="]);
     assert_eq!(none, force(&["record.gauges=", "beam.axial-force=0"]));
-    // Compression softens the beam, and lengthens its lowest period.
+    // Compression softens the beam, and increases its lowest period.
     let period = |sets: &[&str]| run("beam.toml", sets)["lowest_period_s"].as_f64().expect("a number");
     // Half of the buckling load pi^2 E I/l^2 = 75.3 kN: sqrt(2).
     let ratio = period(&["beam.axial-force=37647.3"]) / period(&[]);
     assert!((ratio - std::f64::consts::SQRT_2).abs() < 1e-3, "{ratio}");
 }
 
-/// One period of the lowest mode is 1.8 us and the contact lasts 173 us; the gauge at a quarter of the length moves by 1e-14 m.
+/// The lowest mode has a period of 1.8 us and the contact lasts 173 us; the gauge at a quarter of the length moves by 1e-14 m.
 #[test]
 fn a_rigid_foundation_makes_the_beam_a_half_space() {
     let summary = run("beam.toml", &["beam.foundation=\"1e13 N/m^2\""]);
@@ -609,7 +609,7 @@ fn reports_plans_and_cost_studies_are_there_for_every_kind() {
         let text = std::fs::read_to_string(folder.join("r.html")).expect("a page");
         assert!(text.contains(panel) && text.contains("energy"), "{name}");
         assert!(text.contains("equation") && text.contains("validity"), "{name}");
-        // Units in print, in the figures as in the panels.
+        // Units of the figures and of the panels are typeset.
         assert!(name != "plate.toml" || text.contains(" \u{b5}s</td>") && !text.contains(" us</td>"), "{name}");
         // Counts are whole numbers.
         assert!(name != "beam.toml" || text.contains("modes of the beam</th><td>64</td>"), "{name}");
@@ -618,7 +618,7 @@ fn reports_plans_and_cost_studies_are_there_for_every_kind() {
         let plan: Value = serde_json::from_slice(&plan.stdout).expect("one JSON value");
         assert!(plan["equation"].as_str().is_some_and(|e| !e.is_empty()) && plan["method"].is_string(), "{plan}");
     }
-    // Nothing has been run.
+    // Plans run nothing.
     for name in ["spheres.toml", "plate.toml", "beam.toml", "energy-method.toml", "spheres-restitution.toml"] {
         let plan = barwave(folder, "plan", name, &[], &["--json"]);
         let plan: Value = serde_json::from_slice(&plan.stdout).expect("one JSON value");
@@ -634,7 +634,7 @@ fn reports_plans_and_cost_studies_are_there_for_every_kind() {
     let steps = plan["expected_steps"].as_f64().expect("a number");
     let taken = run("beam.toml", &[])["steps"].as_f64().expect("a number");
     assert!((taken / steps - 1.0).abs() < 0.2, "{steps} {taken}");
-    // Scenes in closed form have a page of tables, and no figure.
+    // Scenes in closed form have a page of tables, but no figure.
     for name in ["spheres-restitution.toml", "ballistic-pendulum.toml", "energy-method.toml"] {
         assert_eq!(barwave(folder, "run", name, &[], &["-o", "r.h5", "--quiet"]).status.code(), Some(0), "{name}");
         let report = |file: &str| {
@@ -705,7 +705,7 @@ fn a_striker_needs_a_body_that_it_strikes() {
     assert!(beside.contains("give an end kind = \"striker\""), "{beside}");
 }
 
-/// The metrics of the figure are those of any case: the first one here approaches nothing, and fails.
+/// The metrics of the figure are those of all cases, including a sweep whose first case fails, as its bodies do not approach each other.
 #[test]
 fn a_sweep_whose_first_case_fails_is_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -738,7 +738,7 @@ fn impacts_can_be_swept() {
     assert_eq!(program.status.code(), Some(0), "{}", String::from_utf8_lossy(&program.stderr));
     let table = std::fs::read_to_string(folder.path().join("out/table.csv")).expect("a table");
     assert_eq!(table.lines().filter(|line| line.contains(",done,")).count(), 3, "{table}");
-    // All scalars of the summary, and no sentences.
+    // All scalars of the summary, but no texts.
     std::fs::write(folder.path().join("sweep.toml"), sweep.replace("metrics", "# metrics")).expect("written");
     let output = Command::new(env!("CARGO_BIN_EXE_barwave"))
         .current_dir(folder.path())

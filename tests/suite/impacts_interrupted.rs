@@ -1,4 +1,4 @@
-//! An impact that is interrupted keeps what it has, as runs of bars do.
+//! An interrupted impact retains its results so far, like a run of a bar.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -8,7 +8,7 @@ use barwave::record::store::{ResultFile, StoredImpact};
 use barwave::run::run_impact;
 use barwave::scene::Problem;
 
-/// The outcome, the notes and the result of a scene whose run is stopped at this call of its observer.
+/// Returns the outcome, the notes and the result of a scene whose run is stopped at this call of its observer.
 fn stopped(name: &str, sets: &[&str], call: usize) -> (String, String, StoredImpact) {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs").join(name);
     let sets: Vec<String> = sets.iter().map(ToString::to_string).collect();
@@ -36,7 +36,7 @@ fn every_kind_keeps_its_histories_up_to_the_interruption() {
         let (outcome, notes, impact) = stopped(name, &[], call);
         assert_eq!(outcome, "interrupted", "{name}");
         assert!(notes.contains("interrupted") && notes.contains("after the first contact"), "{name}: {notes}");
-        // One row a call, the same in every history.
+        // One row per call, the same in every history.
         for table in &impact.tables {
             assert!(table.columns.iter().all(|column| column.values.len() == call), "{name} {}", table.name);
         }
@@ -47,7 +47,7 @@ fn every_kind_keeps_its_histories_up_to_the_interruption() {
 
 #[test]
 fn a_beam_keeps_its_last_complete_integration() {
-    // 16 modes take less than 1000 moments up to the end, 32 are stopped.
+    // The level with 16 modes finishes within 1000 times; that with 32 is stopped.
     let (outcome, notes, impact) = stopped("beam.toml", &[], 1000);
     assert_eq!(outcome, "interrupted");
     assert!(notes.contains("interrupted after the integration with 16 modes: the error is not known"), "{notes}");

@@ -1,4 +1,4 @@
-//! Bars that are stressed, or have yielded, at t = 0: by every method.
+//! Bars that are stressed, or have yielded, at t = 0, with every method.
 
 mod exact;
 mod methods;
@@ -19,7 +19,7 @@ const HARDENING: f64 = 20e9;
 /// rho c0, Pa s/m.
 const IMPEDANCE: f64 = 4e7;
 
-/// Bilinear steel whose impedance is a round number, with `more` in its table.
+/// Returns bilinear steel whose impedance is a round number, with `more` lines in its table.
 fn material(yield_stress: f64, more: &str) -> String {
     let (first, second) = (yield_stress / E, yield_stress + HARDENING * 0.02);
     format!(
@@ -29,7 +29,7 @@ fn material(yield_stress: f64, more: &str) -> String {
     )
 }
 
-/// A bar of segments, each of some length with its initial state, between ends.
+/// Returns a bar of segments, each with its length and initial state, between ends.
 fn text(segments: &[(f64, String)], [left, right]: [&str; 2], effects: &str, solve: &str) -> String {
     let segment =
         |(length, state): &(f64, String)| format!("[[bar.segment]]\nlength = {length}\narea = 1e-4\n{state}\n");
@@ -85,7 +85,7 @@ fn a_stressed_half_sends_half_its_stress_both_ways() {
             _ => (0.0, 0.0),
         };
         assert!((stress[cell] - sigma).abs() < 1e-4, "{cell}: {} for {sigma}", stress[cell]);
-        // Velocities of the cells at the fronts are means.
+        // The velocities of the cells at the fronts are means.
         let at_front = [59, 60, 139, 140].contains(&cell);
         assert!(at_front || (velocity[cell] - v).abs() < 1e-12, "{cell}: {} for {v}", velocity[cell]);
     }
@@ -94,7 +94,7 @@ fn a_stressed_half_sends_half_its_stress_both_ways() {
 
 #[test]
 fn a_bar_that_has_yielded_is_a_bar_of_the_hardened_material() {
-    // First loading to 1 % of plastic strain leaves the elastic limit at Y + H' p, H' the plastic modulus.
+    // First loading to a plastic strain of 1 % raises the elastic limit to Y + H' p, where H' is the plastic modulus.
     let plastic = 0.01;
     let limit = YIELD + HARDENING / (1.0 - HARDENING / E) * plastic;
     let rates = [
@@ -113,7 +113,7 @@ fn a_bar_that_has_yielded_is_a_bar_of_the_hardened_material() {
             worked.advance();
             virgin.advance();
         }
-        // The fan at a suddenly moved end is known of the virgin bar alone: look beyond the cells that it starts with.
+        // The fan at a suddenly moved end is known for the virgin bar only: the comparison excludes the cells that start with it.
         let [of_worked, of_virgin] = [&worked, &virgin].map(|bar| profile(bar, Quantity::Stress));
         let apart: f64 = of_worked.iter().zip(&of_virgin).map(|(a, b)| (a - b).abs()).sum();
         let all: f64 = of_virgin.iter().map(|s| s.abs()).sum();
@@ -129,10 +129,10 @@ fn a_bar_that_has_yielded_is_a_bar_of_the_hardened_material() {
     }
 }
 
-/// Of a bar whose hardened parts have this plastic strain.
+/// Segments of a bar whose hardened parts have this plastic strain.
 type Segments<'a> = &'a dyn Fn(f64) -> Vec<(f64, String)>;
 
-/// Ends of a hardened bar were free in the first step, and the grid filter rang in it by 20 % of the wave, at any resolution.
+/// The ends of a hardened bar must not be free in the first step: the grid filter would oscillate there by 20 % of the wave, at any resolution.
 #[test]
 fn sharp_elastic_waves_are_as_exact_in_a_hardened_bar_as_in_a_virgin_one() {
     let limit = YIELD + HARDENING / (1.0 - HARDENING / E) * 0.005;
@@ -175,7 +175,7 @@ fn sharp_elastic_waves_are_as_exact_in_a_hardened_bar_as_in_a_virgin_one() {
     }
 }
 
-/// Stress that a slow pull or push of a bar of one cell shows as it yields.
+/// Returns the yield stresses of a bar of one cell that is slowly pulled or pushed.
 fn limits(plastic: f64, hardening: &str) -> [f64; 2] {
     [-1.0, 1.0].map(|sense| {
         let state = format!("material = {}\nplastic-strain = {plastic}", material(YIELD, ""));
@@ -205,7 +205,7 @@ fn the_elastic_range_is_where_hardening_left_it() {
         ("hardening = \"kinematic\"", -0.005, [2.0 * YIELD - flow(0.005), -flow(0.005)]),
     ] {
         let [pulled, pushed] = limits(plastic, hardening);
-        // The last stress before it flows: a step of the pull adds about 1 MPa.
+        // The last stress before it flows; a step of the pull adds about 1 MPa.
         assert!((pulled - high).abs() < 2e6 && (pushed - low).abs() < 2e6, "{hardening} {plastic}: {pulled} {pushed}");
     }
 }
@@ -254,12 +254,12 @@ fn a_mirrored_bar_does_the_mirrored_thing() {
         let effects = by.effects("hardening = \"kinematic\"");
         let [bar, mut mirrored] = [segments, image].map(|segments| {
             let scene = scene(&text(&segments, ends, &effects, &by.solve(1e-3, 90)));
-            // Tracked fronts without merging multiply.
+            // Tracked fronts that are not merged multiply.
             methods::follow(&scene, if by == By::Fronts { 1.5e-4 } else { 6e-4 }).stress
         });
         mirrored.reverse();
         if by == By::Fronts {
-            // Where fronts meet is rounded from the left end on.
+            // Positions of interactions are rounded relative to the left end.
             let apart = bar.iter().zip(&mirrored).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-12 * YIELD, "{apart:e}");
         } else {
@@ -291,7 +291,7 @@ fn a_twisted_bar_that_is_released_at_one_end_rings() {
 
 #[test]
 fn the_audit_does_not_count_plastic_strain_of_before_the_start() {
-    // The bar stays elastic: neither a strain rate nor plastic work.
+    // The bar stays elastic: there is neither a strain rate nor plastic work.
     for by in By::RATE_INDEPENDENT {
         let more = ", poisson = 0.3, rate.malvern = { k = 1e5 }, heat = { specific-heat = 460, reference-temperature = 293, \
                     melting-temperature = 1800, m = 1, fraction = 0.9 }";
@@ -306,7 +306,7 @@ fn the_audit_does_not_count_plastic_strain_of_before_the_start() {
             run::run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}\n{text}"));
         let estimate = |effect: &str| summary.audit.iter().find(|row| row.effect == effect).expect(effect).estimate;
         assert_eq!([estimate("rate"), estimate("heat")], [0.0; 2], "{by:?}: {:?}", summary.audit);
-        // The released stress starts with a jump, however wide lateral inertia would make it.
+        // The released stress starts with a jump, whose width with lateral inertia is unknown.
         assert!(estimate("lateral-inertia").is_nan(), "{by:?}: {:?}", summary.audit);
     }
 }
@@ -336,8 +336,8 @@ fn states_that_cannot_be_are_refused() {
     refused("stress = nan", "", solve, "finite");
 }
 
-/// What is beyond an absorbing end moves as the end of the bar did, not as the mean of its first cell: a bar that has given all its motion away went on
-/// at 0.2 m/s (100 cells) for ever.
+/// The medium beyond an absorbing end moves with the velocity of the end, not with the mean of its first cell: otherwise a bar that has transmitted
+/// all of its motion keeps moving at 0.2 m/s (100 cells).
 #[test]
 fn an_absorbing_end_takes_all_the_motion_of_a_bar_whose_end_was_at_rest() {
     let (density, area) = (8000.0, 1e-4);

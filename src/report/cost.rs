@@ -20,7 +20,7 @@ const LARGE: f64 = 15.0;
 /// Smallest error on the axis. Smaller ones (rounding errors, and exact results of front tracking) are drawn in a strip below it.
 const SMALLEST: f64 = 1e-6;
 
-/// Shape of the marks of a method, so that methods can be told apart without colour.
+/// Shape of the marks of a method, so that methods can be distinguished without colour.
 #[derive(Debug, Clone, Copy)]
 enum Mark {
     Circle,

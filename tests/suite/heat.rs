@@ -22,7 +22,8 @@ use proptest::prelude::*;
 const REFERENCE: f64 = 300.0;
 const MELTING: f64 = 1300.0;
 
-/// A hundredth of the specific heat of steel, so that the effect is large: 1 % of strain at 300 MPa is 35 K of the 1000 K to melting.
+/// Specific heat, J/(kg K), about a fiftieth of that of steel, so that the effect is large: 1 % of strain at 300 MPa is 35 K of the 1000 K to
+/// melting.
 const SPECIFIC_HEAT: f64 = 10.0;
 
 fn with_constants(mut material: Material, exponent: f64) -> Material {
@@ -311,7 +312,7 @@ fn the_energy_account_closes_with_the_heat_in_it() {
             let sum = bar.energies();
             assert!(sum.heat > 0.0 && sum.plastic > 0.0);
             if rate.is_none() {
-                // The viscoplastic energy then contains only the damping of ripples.
+                // Without a rate, heat and plastic energy together are the whole plastic work.
                 assert!((sum.heat / (sum.plastic + sum.heat) - 0.7).abs() < 1e-12, "{sum:?}");
             }
             missed.push((stored(&bar) / sum.heat - 1.0).abs());

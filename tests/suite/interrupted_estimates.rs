@@ -1,4 +1,4 @@
-//! A run whose error estimate is interrupted is not done, and the searches beside a run end when they are asked to.
+//! A run whose error estimate is interrupted is not complete, and searches beside a run end when interrupted.
 
 use barwave::error::Error;
 use barwave::record::store::ResultFile;
@@ -7,7 +7,7 @@ use barwave::scene::Scene;
 use barwave::study::plan::{Plan, plan};
 use std::ops::ControlFlow;
 
-/// A copper bar pulled at one end for a while.
+/// Returns a copper bar that is pulled at one end for a while.
 fn scene(solve: &str) -> Scene {
     let text = format!(
         "[bar]\nlength = 1\nmaterial = \"copper-annealed\"\n[left]\nkind = \"velocity\"\nvalue = -20\n\
@@ -16,7 +16,7 @@ fn scene(solve: &str) -> Scene {
     Scene::parse("scene.toml", &text, ".".as_ref(), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Runs with a stop at the first call of `progress` for which `due` holds: the error, and the outcome in the file.
+/// Runs a scene that is stopped at the first call of `progress` for which `due` holds. Returns the error, and the outcome in the file.
 fn stopped(scene: &Scene, mut due: impl FnMut(&Progress) -> bool) -> (Error, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("out.h5");
@@ -30,7 +30,7 @@ fn stopped(scene: &Scene, mut due: impl FnMut(&Progress) -> bool) -> (Error, Str
 #[test]
 fn a_run_on_a_grid_whose_estimate_is_interrupted_is_not_done() {
     let scene = scene("until = \"200 us\"\ncells = 400").with_error_estimate();
-    // The companions have fewer cells.
+    // The companion runs have fewer cells.
     let (error, outcome) = stopped(&scene, |at| matches!(at, Progress::Steps { cells, .. } if *cells < 400));
     assert!(matches!(error, Error::Interrupted), "{error}");
     assert_eq!(outcome, "interrupted");
@@ -42,7 +42,7 @@ fn a_tracked_run_whose_estimate_is_interrupted_is_not_done() {
     let mut complete = false;
     let (error, outcome) = stopped(&scene, |at| {
         let Progress::Fronts { time, until, .. } = at else { return false };
-        // The next call after the end is the companion's.
+        // The next call after the end is that of the companion run.
         std::mem::replace(&mut complete, time >= until)
     });
     assert!(matches!(error, Error::Interrupted), "{error}");
@@ -63,7 +63,7 @@ fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
     let error = ended.map(|_| ()).expect_err("the budget is spent").to_string();
     assert!(error.contains("its limit of 5000 events"), "{error}");
     assert!(calls > 3 && all <= 2 * 5000, "{calls} calls, {all} events");
-    // The search can be interrupted as well.
+    // The search can be interrupted, too.
     let mut spent = false;
     let ended = run::run(&scene, None, &mut |at| {
         let Progress::Fronts { events, .. } = at else { return ControlFlow::Continue(()) };
@@ -74,7 +74,7 @@ fn a_spent_event_budget_is_followed_by_no_more_than_another_one() {
     assert!(matches!(ended, Err(Error::Interrupted)));
 }
 
-/// A search of many minutes said nothing.
+/// A search of several minutes reports the runs made to select the method.
 #[test]
 fn a_search_for_a_method_says_what_it_has_tried() {
     let (scene, mut tried) = (scene("until = \"200 us\"\ntolerance = 1e-6"), Vec::new());
@@ -89,7 +89,7 @@ fn a_search_for_a_method_says_what_it_has_tried() {
     assert!(["leapfrog", "front-tracking"].iter().all(|scheme| tried.iter().any(|by| by == scheme)), "{tried:?}");
 }
 
-/// The message was that the run had not begun.
+/// The message states the state of the search, not that the run has not begun.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_search_says_how_far_it_came() {

@@ -1,4 +1,5 @@
-//! `barwave invert`: bars are simulated, their gauges get noise, and the curves that were put in come back within the stated intervals.
+//! `barwave invert`: bars are simulated, noise is added to their gauges, and the inverted curves agree with the given ones within the stated
+//! intervals.
 
 use crate::common::binary;
 
@@ -42,7 +43,7 @@ fn simulated(scene: &str) -> TempDir {
     folder
 }
 
-/// Value of a record at a time; a front is two rows with one time.
+/// Returns the value of a record at a time; a front is two rows with the same time.
 fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
     let next = time.partition_point(|&own| own <= t);
     if next == 0 || next == time.len() {
@@ -52,8 +53,8 @@ fn at(time: &[f64], values: &[f64], t: f64) -> f64 {
     values[next - 1] + (values[next] - values[next - 1]) * ((t - a) / (b - a))
 }
 
-/// Records of gauges as CSV in us and percent: sampled every 0.1 us, with uniform noise of the given standard deviation, as a part of each
-/// record's largest strain.
+/// Returns records of gauges as CSV in us and percent, sampled every 0.1 us, with uniform noise whose standard deviation is the fraction `noise` of
+/// the largest strain of each record.
 fn records(result: &Path, names: &[&str], noise: f64, seed: u64) -> String {
     let gauges = ResultFile::open(result).expect("a result").gauges().expect("gauges");
     let traces: Vec<_> =
@@ -75,7 +76,8 @@ fn records(result: &Path, names: &[&str], noise: f64, seed: u64) -> String {
     text
 }
 
-/// Part of the points above a strain within their intervals, the largest relative deviation and the largest relative half-width.
+/// Returns the fraction of the points above a strain whose intervals contain the curve, the largest relative deviation and the largest relative
+/// half-width.
 fn against(curve: &Curve, points: &Value, from: f64) -> [f64; 3] {
     let (mut inside, mut count, mut deviation, mut width) = (0.0, 0.0, 0.0_f64, 0.0_f64);
     for point in points.as_array().expect("points") {
@@ -114,15 +116,15 @@ fn noisy_records_give_back_the_curve_within_its_interval() {
         let found = json(path, &arguments);
         let [inside, deviation, width] = against(&copper, &found["points"], 2e-3);
         covered += inside / 4.0;
-        // Above 0.2 % of strain: the interval is narrow, and the curve not far outside.
+        // Above 0.2 % of strain, the interval is narrow, and the curve is not far outside.
         assert!(width < 0.05 && deviation < 0.06, "{seed}: {deviation} {width}");
         let [_, deviation, width] = against(&copper, &found["points"], 0.02);
         assert!(width < 0.02 && deviation < 0.02, "{seed}: {deviation} {width}");
     }
-    // Deviations add up along the curve, so whole curves lie inside or not.
+    // Deviations accumulate along the curve, so that whole curves are inside or outside.
     assert!(covered >= 0.75, "{covered}");
     assert!(done(path, &["check", "inverted.toml"]).contains("ok"));
-    // The inverted material runs: the same impact gives the same stress.
+    // The inverted material can be simulated: the same impact gives the same stress.
     let stress = |material: &str| {
         let set = format!("bar.material=\"{material}\"");
         let run =
@@ -143,7 +145,7 @@ fn a_result_file_without_noise_gives_back_its_curve() {
         let [_, deviation, _] = against(&copper, &found["points"], 1e-3);
         assert!(deviation < 0.01, "{extra:?}: {deviation}");
     }
-    // From the right end, in compression.
+    // Loaded from the right end, in compression.
     let pushed = BAR.replace("[left]", "[other]").replace("[right]", "[left]").replace("[other]", "[right]");
     let folder = simulated(&pushed.replace("a = 0.02, b = 0.04", "a = 0.98, b = 0.9"));
     let found = json(folder.path(), &["invert", "arrivals", "bar.h5", "--gauges", "a,b", "--json"]);
@@ -177,7 +179,7 @@ fn a_rate_dependent_bar_is_reported() {
     let folder = simulated(&scene);
     let found = json(folder.path(), &["invert", "arrivals", "bar.h5", "--gauges", "b,d,e", "--json"]);
     assert!(found["warnings"].to_string().contains("rate law"), "{}", found["warnings"]);
-    // Near the loaded end everything is elastic: the curve is far above the static one.
+    // Near the loaded end the response is elastic: the curve is far above the static one.
     let [_, deviation, _] = against(&curve("mild-steel"), &found["points"], 2e-3);
     assert!(deviation > 0.5, "{deviation}");
 }
@@ -186,7 +188,7 @@ pub fn joined<'a>(one: &[&'a str], two: &[&'a str]) -> Vec<&'a str> {
     [one, two].concat()
 }
 
-/// Arrivals at gauges of a power law 500 MPa e^0.4 at 8960 kg/m^3, in us, displaced by the given times.
+/// Returns arrival times (us) at gauges for the power law 500 MPa e^0.4 and 8960 kg/m^3, shifted by the given times.
 fn table(displaced: &[f64]) -> String {
     let mut text = String::from("x_mm,strain_%,time_us\n");
     for level in 1..=10 {
@@ -212,10 +214,10 @@ fn a_table_of_arrivals_is_inverted() {
     for point in points {
         let strain = point["strain"].as_f64().expect("a number");
         let ratio = point["stress_Pa"]["value"].as_f64().expect("a number") / (500e6 * strain.powf(0.4));
-        // The elastic part, which the power law has not, takes 7 MPa of the first level's 60.
+        // The elastic part, which the power law lacks, reduces the first level of 60 MPa by 7 MPa.
         assert!((ratio - 1.0).abs() < 0.12 * (0.005 / strain).powf(0.4), "{strain}: {ratio}");
     }
-    // The reflected wave: 2 L - x = 0.3 m at 3583 m/s, 114 us with the start.
+    // Reflected wave: 2 L - x = 0.3 m at 3583 m/s, 114 us with the start time.
     let late = refused(path, &joined(&arguments, &["--length", "0.25 m", "--start", "30 us"]));
     assert!(
         late.contains("t.csv:") && late.contains("reflected from the far end") && late.contains("allowed: t < "),
@@ -230,7 +232,7 @@ fn a_table_of_arrivals_is_inverted() {
             .collect::<String>(),
     );
     assert!(refused(path, &arguments).contains("scatter of the arrivals is unknown"));
-    // One gauge, whose lines start at the loaded end.
+    // One gauge: the characteristics start at the loaded end.
     write(
         &table(&[0.0; 3])
             .lines()
@@ -288,17 +290,17 @@ fn the_strain_left_along_a_hard_wire_gives_its_curve() {
     }
     assert!(covered > 0.75, "{covered}");
     assert!(done(path, &["check", "w.toml"]).contains("ok"));
-    // With the yield stress the integral of the speeds checks the impact velocity.
+    // With the yield stress given, the integral of the wave speeds checks the impact velocity.
     let found = json(path, &["invert", "residual-strain", "bar.h5", "--yield-stress", "288.4 MPa", "--json"]);
     let integral = found["velocity_integral_m_s"]["value"].as_f64().expect("a number");
     assert!((integral / 40.0 - 1.0).abs() < 0.01, "{integral}");
     let wrong = json(path, &["invert", "residual-strain", "bar.h5", "--yield-stress", "388 MPa", "--json"]);
     assert!(wrong["warnings"].to_string().contains("not reliable"), "{}", wrong["warnings"]);
-    // While the end moves.
+    // The end is still moving.
     let moving = json(path, &["invert", "residual-strain", "bar.h5", "--time", "250 us", "--json"]);
     let [_, deviation, _] = against(&aluminium, &moving["points"], 0.0055);
     assert!(deviation < 0.02, "{deviation}");
-    // The material yields near 288 MPa, not where the first speed is 0.01 % below the elastic one; the run of the test goes on to its end.
+    // The material yields near 288 MPa, not where the first speed is 0.01 % below the elastic one; a simulation of the test runs to its end.
     let text = done(path, &["invert", "residual-strain", "bar.h5", "--time", "250 us", "-o", "moving.toml"]);
     assert!(text.contains("wrote moving.toml (past strain 0.03"), "{text}");
     let limit = library::find("moving.toml", path).expect("a material");
@@ -307,13 +309,14 @@ fn the_strain_left_along_a_hard_wire_gives_its_curve() {
     done(path, &["run", "scene.toml", "-o", "again.h5", "--quiet", "--set", "bar.material=w.toml"]);
 }
 
-/// Stress (Pa) and strain of a steel that yields at 300 MPa, and its wave speed (m/s), by plastic strain.
+/// Returns strain, stress (Pa) and wave speed (m/s) of a steel that yields at 300 MPa, for a plastic strain.
 fn steel(plastic: f64) -> (f64, f64, f64) {
     let (stress, hardening) = (300e6 + 900e6 * plastic.powf(0.6), 540e6 * plastic.powf(-0.4));
     (stress, stress / 205e9 + plastic, (1.0 / (7850.0 * (1.0 / 205e9 + 1.0 / hardening))).sqrt())
 }
 
-/// Where the profile ends the waves that have passed were taken to follow the power of the first two levels: 49 MPa for 320 at a strain of 0.003.
+/// The waves that have passed the end of the profile must not be extrapolated with the power of the first two levels, which would give 49 MPa instead
+/// of 320 MPa at a strain of 0.003.
 #[test]
 fn a_profile_that_ends_on_the_elastic_plateau_gives_the_curve() {
     let time = 300e-6;
@@ -410,7 +413,7 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
         assert!((10e-6..80e-6).contains(&from), "{from}");
     }
     assert!(done(path, &["check", "dynamic.toml"]).contains("ok"));
-    // The modulus of the specimen makes the part before equilibrium elastic; without it the first chord was the modulus.
+    // With the modulus of the specimen, the part before equilibrium is elastic; without it, the first chord is the modulus.
     assert!(measured["warnings"].to_string().contains("the material has no elastic part"), "{}", measured["warnings"]);
     let text = done(path, &["invert", "hopkinson", "bar.h5", "-o", "known.toml"]);
     assert!(text.contains("elastic part      up to ") && text.contains("a modulus of 115 GPa"), "{text}");
@@ -420,22 +423,22 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
         (known.modulus / 115e9 - 1.0).abs() < 1e-12 && strain < 0.002 && (50e6..150e6).contains(&limit),
         "{strain} {limit:e}"
     );
-    // One wave and three waves agree in the mean: their stresses at the end of the loading differ by the imbalance.
+    // One wave and three waves agree on average: their stresses at the end of the loading differ by the imbalance.
     let table = std::fs::read_to_string(path.join("moments.csv")).expect("a table");
     assert!(table.lines().count() > 400 && table.starts_with("time_s,strain,rate_1_s,stress_Pa,strain_one_wave,"));
-    // The mean strain rate is that of the moments between the two times that are stated with it.
+    // The mean strain rate is that of the rows between the two times stated with it.
     let rows = table.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().expect("a number")).collect());
     let rows: Vec<Vec<f64>> = rows.collect();
     let [from, to] = [0, 1].map(|k| measured["mean_rate_between_s"][k].as_f64().expect("a time"));
     let rates: Vec<f64> = rows.iter().filter(|row| (from..=to).contains(&row[0])).map(|row| row[2]).collect();
     let mean = rates.iter().sum::<f64>() / rates.len() as f64;
     assert!((measured["mean_rate_1_s"].as_f64().expect("a rate") / mean - 1.0).abs() < 1e-6, "{mean}");
-    // Nothing is written where there is no equilibrium.
+    // Nothing is written without equilibrium.
     arguments.extend(["--equilibrium", "0.01 %", "--force"]);
     arguments.retain(|argument| *argument != "--json");
     assert!(refused(path, &arguments).contains("does not reach equilibrium"));
     assert!(refused(path, &["invert", "hopkinson", "test.csv"]).contains("--distances"));
-    // A result file has its own bars: options for them were ignored.
+    // A result file contains the data of its bars; options for them are refused.
     for option in [["--bar-modulus", "100 GPa"], ["--distances", "1m,1m"], ["--specimen-diameter", "10 mm"]] {
         let message = refused(path, &joined(&["invert", "hopkinson", "bar.h5"], &option));
         assert!(message.contains(option[0]) && message.contains("result file"), "{message}");
@@ -450,7 +453,7 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
 fn noise_does_not_lower_the_stresses_of_arrivals() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    // The end gets to 5 % of plastic strain in 25 us.
+    // The end reaches 5 % of plastic strain in 25 us.
     let states: Vec<_> = (1..=2000).map(|k| steel(0.05 * (f64::from(k) / 2000.0).powi(4))).collect();
     let (c0, limit) = ((205e9_f64 / 7850.0).sqrt(), 300e6 / 205e9);
     let mut levels = vec![(0.0, c0, 0.0), (limit, c0, limit * c0)];
@@ -491,8 +494,8 @@ fn noise_does_not_lower_the_stresses_of_arrivals() {
     assert!(deviation.abs() < 0.037 && inside >= 7, "{deviation} {inside}");
 }
 
-/// A split-Hopkinson test: gauges 1 m from a specimen of 5 mm length and 10 mm diameter, bars of 16 mm, records from 100 us before the
-/// pulse on. The specimen is elastic (70 GPa) up to 300 MPa + 400 MPa `e_p^0.4` and always in equilibrium.
+/// A split-Hopkinson test: gauges 1 m from a specimen of 5 mm length and 10 mm diameter, bars of 16 mm, records that start 100 us before the pulse.
+/// The specimen is elastic (70 GPa) up to 300 MPa + 400 MPa `e_p^0.4`, and always in equilibrium.
 pub struct Kolsky {
     pub time: Vec<f64>,
     pub incident: Vec<f64>,
@@ -515,12 +518,12 @@ pub const KOLSKY: [&str; 12] = [
 ];
 
 impl Kolsky {
-    /// A pulse of 12 m/s of a length (s), with edges of 15 us.
+    /// Returns a test with a pulse of 12 m/s of this length (s), with edges of 15 us.
     pub fn of(length: f64) -> Self {
         Self::yielding_at(300e6, length)
     }
 
-    /// The same with another elastic limit, Pa.
+    /// Returns a test with another elastic limit, Pa.
     fn yielding_at(limit: f64, length: f64) -> Self {
         let c0 = (200e9_f64 / 7850.0).sqrt();
         let (dt, edge, ratio) = (1e-7, 15e-6, (10.0_f64 / 16.0).powi(2));
@@ -546,7 +549,7 @@ impl Kolsky {
         Self { time, incident, transmitted }
     }
 
-    /// As microstrain, with zero offsets and uniform noise of 2 microstrain.
+    /// Writes the records in microstrain, with zero offsets and uniform noise of 2 microstrain.
     pub fn write(&self, path: &Path, header: &str, offsets: [f64; 2]) {
         let mut rng = XorShiftRng::seed_from_u64(3);
         let mut text = format!("{header}\n");
@@ -608,7 +611,7 @@ fn zero_offsets_of_the_gauges_are_removed() {
     for (a, b) in clean.iter().zip(&offset) {
         let [stress, strain, half] = ["stress_Pa", "strain", "stress_half_width_Pa"].map(|key| number(&b[key]));
         assert!((stress / number(&a["stress_Pa"]) - 1.0).abs() < 1e-9, "{a} {b}");
-        // The total strain of a plastic one.
+        // The total strain of a specimen that flows plastically.
         let plastic = (0..40).fold(strain, |p, _| strain - (300e6 + 400e6 * p.max(0.0).powf(0.4)) / 70e9);
         inside += usize::from((stress - 300e6 - 400e6 * plastic.max(0.0).powf(0.4)).abs() <= half);
         assert!(half < 0.02 * stress || strain < 0.01, "{b}");
@@ -626,7 +629,7 @@ fn zero_offsets_of_the_gauges_are_removed() {
     assert!(rates.len() > 5 && rates.iter().all(|rate| *rate > 0.0), "{text}");
 }
 
-/// 50 microstrain raised the stress by 6 %.
+/// An offset of 50 microstrain would increase the stress by 6 %.
 #[test]
 fn zero_offsets_of_gauges_along_a_bar_are_removed() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -693,7 +696,7 @@ fn records_that_cannot_be_reduced_are_refused() {
     refusal("long.csv", &["long.csv", "cannot be separated", "396.2 us", "striker shorter", "move the gauge"]);
     test.write(&path.join("plain.csv"), "time_us,incident,transmitted", [0.0; 2]);
     refusal("plain.csv", &["plain.csv:", "unit is not given", "|strain| <= 0.02", "incident_ue"]);
-    // Microseconds that were read as seconds ended in "move the gauge farther".
+    // A record in microseconds without a unit, read as seconds, is refused with a message on the unit.
     test.write(&path.join("seconds.csv"), "time,incident (ue),transmitted (ue)", [0.0; 2]);
     refusal(
         "seconds.csv",
@@ -736,7 +739,7 @@ fn a_specimen_wider_than_the_bars_is_noted() {
     assert!(found["warnings"].to_string().contains("wider than the bars"), "{}", found["warnings"]);
 }
 
-/// Stress (Pa) and speed (m/s) of a steel that yields sharply at 200 MPa.
+/// Returns stress (Pa) and wave speed (m/s) of a steel that yields sharply at 200 MPa.
 fn sharp(strain: f64) -> [f64; 2] {
     let (density, past) = (7850.0, strain - 1e-3);
     if past < 0.0 {
@@ -794,7 +797,7 @@ fn results_of_other_impacts_are_named() {
     }
 }
 
-/// Refused, with the name of what is wrong and without options of the command line.
+/// Checks that a value is refused with the name of its key, without options of the command line.
 fn names<T>(ended: Result<T>, key: &str) {
     let Err(Error::Input(error)) = ended.map(|_| ()) else { panic!("{key} is accepted") };
     assert!(error.key == key && !error.allowed.is_empty() && !error.help.contains("--"), "{key}: {error:?}");
@@ -894,7 +897,7 @@ fn records_of_a_program_are_checked_before_their_inversion() {
 #[test]
 fn a_profile_of_a_program_is_checked_before_its_inversion() {
     let distance: Vec<f64> = (1..=60).map(|k| 0.01 * f64::from(k)).collect();
-    // The strain while the end moves stands at x = c t.
+    // While the end moves, a strain is at x = c t.
     let strain = distance.iter().map(|x| (0.002 * ((3000.0 * 2e-4 / x).powi(2) - 1.0)).clamp(0.0, 0.02)).collect();
     let profile = residual::Profile { distance, strain, sense: Sense::Tension };
     let options = residual::Options {

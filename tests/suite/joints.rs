@@ -1,4 +1,4 @@
-//! Joints by every method, through the program itself: one contract for bonded joints, contacts, and gaps.
+//! Joints with every method through the program: bonded joints, contacts and gaps have the same properties.
 
 use crate::common::methods;
 
@@ -11,23 +11,23 @@ use barwave::run;
 use barwave::scene::Scene;
 use methods::{AREA, BILINEAR, METHODS, Method, assert_ledger, finished, impedance};
 
-/// Impedance of the second bar over that of the first.
+/// Impedances of the second bar relative to that of the first.
 const RATIOS: [f64; 5] = [1e-4, 1e-2, 1.0, 1e2, 1e4];
 
 const FREE: &str = "kind = \"free\"";
 const FIXED: &str = "kind = \"fixed\"";
 const BONDED: &str = "joint = \"bonded\"";
-/// Of the last segment.
+/// Joint of the last segment: none.
 const ALONE: &str = "";
 
-/// A segment: length (m), area (m^2), velocity (m/s), joint to the next.
+/// Segment: length (m), area (m^2), velocity (m/s), and joint to the next.
 type Piece<'a> = (f64, f64, f64, &'a str);
 
 fn contact(gap: f64) -> String {
     format!("joint = \"contact\"\ngap = {gap:e}")
 }
 
-/// In 100 cells for every metre, as is what it is read at.
+/// Returns a scene with 100 cells per metre, and samples at their centres.
 fn scene((_, solve, effects): Method, pieces: &[Piece], [left, right]: [&str; 2], until: &str) -> String {
     let segment = |&(length, area, velocity, joint): &Piece| {
         format!(
@@ -43,10 +43,10 @@ fn scene((_, solve, effects): Method, pieces: &[Piece], [left, right]: [&str; 2]
     )
 }
 
-/// Frame by frame, place by place.
+/// Values of every frame at every sample.
 type Rows = Vec<Vec<f64>>;
 
-/// What a scene came to. Its ledger has been looked at.
+/// Results of a scene, whose ledger has been checked.
 struct Run {
     ledger: Vec<LedgerRow>,
     time: Vec<f64>,
@@ -56,7 +56,7 @@ struct Run {
 }
 
 impl Run {
-    /// Distance of the faces beside place `right`, m, as displacements and strains of the cells there have it.
+    /// Returns the distance between the faces beside the sample `right`, m, from the displacements and strains of the cells there.
     fn gap(&self, frame: usize, right: usize, start: f64) -> f64 {
         let (u, strain) = (&self.displacement[frame], &self.strain[frame]);
         start + u[right] - u[right - 1] - 0.005 * (strain[right] + strain[right - 1])
@@ -76,10 +76,10 @@ fn run(method: Method, pieces: &[Piece], ends: [&str; 2], until: &str) -> Run {
     Run { ledger, time, stress, strain, displacement }
 }
 
-/// Nothing but the ends changes the momentum.
+/// Checks that only the ends change the momentum.
 fn assert_momentum(name: &str, ledger: &[LedgerRow]) {
     let start = ledger[0].energies.momentum - ledger[0].impulse;
-    // Of all that moves, and not of what is left where bars move against each other.
+    // Relative to the momentum of all moving parts, and not to the sum of those that move against each other.
     let motion = |row: &LedgerRow| row.energies.kinetic.max(row.energies.elastic).sqrt();
     let most = ledger.iter().map(motion).fold(0.0, f64::max);
     let scale = most * (AREA * 7800.0_f64).sqrt();
@@ -93,13 +93,13 @@ fn size(rows: &Rows) -> f64 {
     rows.iter().flatten().fold(0.0, |most: f64, value| most.max(value.abs()))
 }
 
-/// Largest difference of two fields over the places that both have, relative to the first.
+/// Returns the largest difference of two fields at common samples, relative to the largest value of the first.
 fn apart(one: &Rows, other: &Rows) -> f64 {
     let pairs = one.iter().zip(other).flat_map(|(a, b)| a.iter().zip(b));
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / size(one)
 }
 
-/// Their mean difference over the mean size of the first.
+/// Returns the mean difference relative to the mean magnitude of the first field.
 fn apart_on_the_mean(one: &Rows, other: &Rows) -> f64 {
     let pairs = one.iter().zip(other).flat_map(|(a, b)| a.iter().zip(b));
     pairs.map(|(a, b)| (a - b).abs()).sum::<f64>() / one.iter().flatten().map(|value| value.abs()).sum::<f64>()
@@ -111,7 +111,7 @@ fn driven(velocity: f64) -> String {
 
 #[test]
 fn pressed_faces_are_as_good_as_bonded() {
-    // Struck at the left, held at the right; elastic and plastic, with like and unlike sections.
+    // Struck at the left, clamped at the right; elastic and plastic, with equal and different sections.
     for method in METHODS {
         for (velocity, ratio) in [(4.0, 1.0), (4.0, 0.3), (20.0, 1.0), (20.0, 2.0)] {
             let [bonded, touching] = [BONDED, &contact(0.0)].map(|joint| {
@@ -134,7 +134,7 @@ fn faces_that_do_not_press_are_free_ends() {
             let two = run(method, &pieces, [&driven(velocity), FREE], until).stress;
             let one = run(method, &[(0.5, AREA, 0.0, ALONE)], [&driven(velocity), FREE], until).stress;
             let apart = apart_on_the_mean(&one, &two);
-            // The grid filter damps the node at an end of a bar that has yielded, and not those at joints.
+            // The grid filter damps the node at an end of a bar that has yielded, but not those at joints.
             let filtered = method.0 == "leapfrog" && velocity.abs() > 10.0;
             let allowed = if filtered { 3e-3 } else { 1e-12 };
             assert!(apart < allowed, "{} {velocity} {gap}: {apart:e}", method.0);
@@ -146,7 +146,7 @@ fn faces_that_do_not_press_are_free_ends() {
 
 #[test]
 fn an_impact_has_the_force_of_both_impedances() {
-    // A bar at 1 m/s on one at rest: p = v Y Y'/(Y + Y') in both, until the first end has been heard.
+    // A bar at 1 m/s strikes one at rest: p = v Y Y'/(Y + Y') in both, until the first wave from an end arrives.
     for method in METHODS {
         for ratio in RATIOS {
             let joint = contact(0.0);
@@ -180,11 +180,11 @@ fn a_gap_closes_when_the_bars_have_crossed_it_and_never_overlaps() {
                         assert_eq!(pressed, time > closes, "{} {ratio} {gap} {time:e}", method.0);
                     }
                     let rest = found.gap(frame, 50, gap);
-                    // A tracked front may stand between a place and the joint.
+                    // A tracked front may lie between a sample and the joint.
                     let allowed = if method.0 == "front tracking" { 0.01 * size(&found.strain) } else { 1e-12 };
                     assert!(rest > -allowed, "{} {ratio} {gap} {time:e}: {rest:e}", method.0);
                 }
-                // Leapfrog keeps part of the energy between its half steps, of first order in the cell size.
+                // Leapfrog stores velocities half a step apart from stresses: an energy error of first order in the cell size.
                 let allowed = if method.0 == "leapfrog" { 1e-2 } else { 1e-9 };
                 let stored = |row: &LedgerRow| row.energies.kinetic + row.energies.elastic;
                 let start = stored(&found.ledger[0]);
@@ -207,7 +207,7 @@ fn mirrored(
 fn mirror_images_are_equal() {
     for mut method in METHODS {
         if method.0 == "front tracking" {
-            // Fronts are merged from the left to the right.
+            // Fronts are merged from left to right.
             method.1 = "method = \"moc\", front-tolerance = 0";
         }
         for (first, second) in [(0.0, 1e-5), (2e-5, 0.0)] {
@@ -225,7 +225,7 @@ fn mirror_images_are_equal() {
     }
 }
 
-/// A gauge on a joint of unlike sections had the stress to its left by leapfrog and the Godunov scheme, and that to its right by front tracking.
+/// A gauge at a joint of different sections has the state to its right with every method.
 #[test]
 fn a_gauge_on_a_joint_has_the_state_to_its_right_by_every_method() {
     let steel = "material = { name = \"s\", density = 8000, modulus = 200e9, beyond = \"extend\", curve = { table = [[0.01, 2e9]] } }";
@@ -239,7 +239,7 @@ fn a_gauge_on_a_joint_has_the_state_to_its_right_by_every_method() {
         let scene = Scene::parse("joint", &text, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
         let solution = run::solve(&scene, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
         let last = solution.gauges["step"].stress.last().expect("rows");
-        // The force is 2/(1 + 4) of twice the incoming one; the thin rod has a quarter of the section.
+        // The force is 2/(1 + 4) of twice the incident one; the thin rod has a quarter of the section.
         assert!((last / -160e6 - 1.0).abs() < 1e-3, "{solve}: {last:e}");
     }
 }

@@ -1,4 +1,4 @@
-//! Kinematic hardening along a curve of several lines: Masing's rule, against the parallel elements that it stands for.
+//! Kinematic hardening along a curve of several lines: Masing's rule, against the equivalent model of parallel elements.
 
 use crate::common;
 use crate::common::muscl;
@@ -16,7 +16,7 @@ use barwave::solver::fd::Quantity;
 use barwave::wave::riemann::{Flow, Medium, Path, Point as Riemann};
 use proptest::prelude::*;
 
-/// State numbers of the law, and reversals that it remembers.
+/// Number of state variables of the law, and of the reversals that it stores.
 const N: usize = 13;
 const DEPTH: usize = 8;
 
@@ -36,7 +36,7 @@ fn aluminium() -> Table {
     Table::new(&aluminium_curve(40), ALUMINIUM)
 }
 
-/// A material point under a given strain.
+/// Material point under a prescribed strain.
 struct Point<L, const N: usize> {
     law: L,
     sigma: f64,
@@ -49,7 +49,7 @@ impl<L: CellLaw<N>, const N: usize> Point<L, N> {
         Self { law, sigma: 0.0, state: [0.0; N], z: 0.0 }
     }
 
-    /// To E times a strain in one step; returns E times the plastic work per volume.
+    /// Strains the point to E times a strain, `z`, in one step; returns E times the plastic work per volume.
     fn to(&mut self, z: f64) -> f64 {
         let predictor = self.law.base(self.sigma, self.state) + (z - self.z);
         let after = self.law.respond(self.sigma, predictor, self.state);
@@ -58,7 +58,7 @@ impl<L: CellLaw<N>, const N: usize> Point<L, N> {
         work
     }
 
-    /// The same in equal steps; returns the stresses.
+    /// Strains the point in equal steps; returns the stresses.
     fn in_steps(&mut self, z: f64, count: u32) -> Vec<f64> {
         let from = self.z;
         (1..=count)
@@ -74,9 +74,9 @@ fn point(table: &Table) -> Point<Overlay<Searched>, N> {
     Point::new(Overlay::new(Searched(table.clone()), table))
 }
 
-/// Besseling's model itself: elastic-perfectly-plastic elements side by side, and a spring.
+/// Besseling's model: parallel elastic-perfectly-plastic elements and a spring.
 struct Elements {
-    /// Modulus over E, yield stress over the modulus times E, plastic strain times E.
+    /// For each element, its modulus divided by E, E times its yield strain, and E times its plastic strain.
     elements: Vec<[f64; 3]>,
     spring: f64,
 }
@@ -88,7 +88,7 @@ impl Elements {
         Self { elements, spring: table.lines().last().expect("a line").slope }
     }
 
-    /// Stress at E times a strain.
+    /// Returns the stress at E times a strain.
     fn to(&mut self, z: f64) -> f64 {
         let mut stress = self.spring * z;
         for [modulus, limit, plastic] in &mut self.elements {
@@ -98,14 +98,14 @@ impl Elements {
         stress
     }
 
-    /// E times the elastic energy that stays when the stress is taken away elastically, per volume.
+    /// Returns E times the elastic energy per volume that remains after elastic unloading.
     fn stored(&self, z: f64, stress: f64) -> f64 {
         let parts = self.elements.iter().map(|[modulus, _, plastic]| 0.5 * modulus * (z - plastic).powi(2));
         parts.sum::<f64>() + 0.5 * self.spring * z * z - 0.5 * stress * stress
     }
 }
 
-/// Numbers between -1 and 1 that look like chance.
+/// Returns a generator of pseudo-random numbers between -1 and 1.
 fn noise(seed: u64) -> impl FnMut() -> f64 {
     let mut seed = seed;
     move || {
@@ -130,7 +130,7 @@ fn cycles_of_constant_strain_are_closed_and_symmetric() {
         let apart = later.iter().zip(&loops[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-12 * 137.6e6, "loops apart by {apart:e} Pa");
     }
-    // The elastic range that moves with the accumulated plastic strain does neither.
+    // Neither holds for an elastic range that moves with the accumulated plastic strain.
     let mut old = Point::new(Mixed { backbone: Searched(table.clone()), yield_stress: 95e6, kinematic: 1.0 });
     let tips = [tip, -tip, tip].map(|z| *old.in_steps(z, 97).last().expect("97 of them"));
     assert!((tips[0] - 137.6e6).abs() < 1.0 && tips[1] > -90e6 && tips[2] < 130e6, "{tips:?}");
@@ -150,13 +150,13 @@ fn unloading_follows_the_curve_doubled_in_size() {
             let doubled = top - 2.0 * curve.stress(0.5 * (tip - z), 1.0);
             assert!((point.sigma - doubled).abs() < 1e-13 * ALUMINIUM * 0.02, "{} for {doubled}", point.sigma);
         }
-        // Past the mirror image of the tip it is first loading again.
+        // Beyond the mirror image of the tip, first loading continues.
         point.in_steps(-1.3 * tip, 7);
         assert!((point.sigma + curve.stress(1.3 * tip, 1.0)).abs() < 1e-13 * ALUMINIUM * 0.02);
     }
 }
 
-/// Madelung's rules: a loop inside a branch comes back to where it left it, and the branch goes on as without it.
+/// Madelung's rules: a loop inside a branch closes at its starting point, and the branch continues as without it.
 #[test]
 fn inner_loops_close_and_are_forgotten() {
     let table = aluminium();
@@ -167,12 +167,12 @@ fn inner_loops_close_and_are_forgotten() {
         (stresses, point)
     };
     let near = |a: f64, b: f64| (a - b).abs() < 1e-12 * 137.6e6;
-    // A loop 2 .. -2, in it 1.5 .. -1.9, in it 1.4.
+    // A loop 2 .. -2, inside it 1.5 .. -1.9, inside that 1.4.
     let (plain, _) = path(&[6.0, -2.0, 7.0, 8.0]);
     let (looped, with) = path(&[6.0, -2.0, 5.0, -1.0, 4.5, 0.5, 7.0, 8.0]);
     assert!(near(plain[2], looped[6]) && near(plain[3], looped[7]), "{plain:?} {looped:?}");
     let (_, without) = path(&[8.0]);
-    // Nothing is left of it: the same stress at any strain afterwards.
+    // The loop is forgotten: afterwards, the stress at any strain is the same.
     let (mut with, mut without) = (with, without);
     for z in [-3.0, 2.0, -9.0, 1.0] {
         with.to(z * unit);
@@ -184,7 +184,7 @@ fn inner_loops_close_and_are_forgotten() {
     assert!(near(stresses[1], stresses[3]) && near(stresses[2], stresses[4]), "{stresses:?}");
 }
 
-/// Curves of any number of lines, also with a level end and with an elastic limit of 0.
+/// Random curves of any number of lines, some with a level end, some with an elastic limit of 0.
 fn tables() -> impl Strategy<Value = Table> {
     let falls = prop::collection::vec(0.3..0.9_f64, 2..12);
     let widths = prop::collection::vec(0.2..2.0_f64, 12);
@@ -201,7 +201,7 @@ fn tables() -> impl Strategy<Value = Table> {
     })
 }
 
-/// Turning points, of which no more than the law can remember are open at a time; then comes one past all of them.
+/// Returns turning points, of which no more are open at a time than the law can store, and then one beyond all of them.
 fn turning_points(seed: u64, count: usize) -> Vec<f64> {
     let mut random = noise(seed);
     let mut open: Vec<f64> = Vec::new();
@@ -261,7 +261,7 @@ proptest! {
         }
     }
 
-    /// Plastic work less what the elements have stored is heat: it only grows.
+    /// The plastic work minus the energy stored in the elements is heat, which never decreases.
     #[test]
     fn heat_only_grows(table in tables(), seed in any::<u64>()) {
         let (mut point, mut elements) = (point(&table), Elements::new(&table));
@@ -273,7 +273,7 @@ proptest! {
                 elements.to(z);
                 work += point.to(z);
                 let now = work - elements.stored(z, point.sigma);
-                // The trapezoidal rule over a step that turns a knot is off by at most a square of the step.
+                // The error of the trapezoidal rule in a step across a knot is at most proportional to the square of the step.
                 let rounding = 1e-12 * (1.0 + work.abs()) + 0.25 * (12.0 * 2.0 / 400.0_f64).powi(2);
                 prop_assert!(now >= heat - rounding, "{now} after {heat}");
                 heat = heat.max(now);
@@ -293,14 +293,14 @@ proptest! {
                 let one = (near.sigma - point.sigma) / d;
                 near.to(z + 2.0 * d);
                 let two = (near.sigma - point.sigma) / (2.0 * d);
-                // But for a knot within the step, the elastic slope or one of the curve's.
+                // Except for a knot within the step, the slope is the elastic one or one of the curve.
                 let known = slopes.iter().chain([&1.0]).any(|slope| (slope - one).abs() < 1e-6);
                 prop_assert!(known || (one - two).abs() > 1e-6, "slope {one}, {two}");
             }
         }
     }
 
-    /// More open reversals than the law remembers: stress stays continuous, inside the elements' range and near theirs.
+    /// With more open reversals than the law stores, the stress remains continuous, within the range of the elements and near theirs.
     #[test]
     fn histories_of_any_depth_stay_near_the_elements(table in tables(), seed in any::<u64>()) {
         let (mut point, mut elements) = (point(&table), Elements::new(&table));
@@ -347,7 +347,7 @@ fn bar(lines: u32) -> Vec<Segment> {
     vec![common::segment(material, 1.0)]
 }
 
-/// Pulled, pushed and pulled again.
+/// Returns ends that pull, push and pull again.
 fn to_and_fro(transit: f64) -> [EndCondition; 2] {
     let stress = |t: f64, mpa: f64| (t * transit, mpa * 1e6);
     let rows = [(0.0, 0.0), (0.2, 130.0), (0.4, 130.0), (0.8, -125.0), (1.0, -125.0), (1.4, 128.0), (3.0, 120.0)];
@@ -397,7 +397,7 @@ fn a_bar_pulled_and_pushed_comes_out_alike_by_both_schemes() {
     assert!(apart(&old, &fine[0]) > 0.03);
 }
 
-/// A scene of such a bar; `rest` is that of `[solve]`.
+/// Returns a scene with such a bar; `rest` is the rest of `[solve]`.
 fn scene(table: &str, hardening: &str, rest: &str) -> String {
     format!(
         "[bar]\nlength = \"1 m\"\narea = \"1 cm^2\"\n[bar.material]\nname = \"own\"\ndensity = \"2700 kg/m^3\"\n\
@@ -411,7 +411,7 @@ fn scene(table: &str, hardening: &str, rest: &str) -> String {
 const CURVE: &str = "[[0.0014, \"98 MPa\"], [0.003, \"118 MPa\"], [0.006, \"135 MPa\"], [0.02, \"170 MPa\"]]";
 const PLATEAU: &str = "[[0.0014, \"98 MPa\"], [0.01, \"98 MPa\"], [0.05, \"170 MPa\"]]";
 
-/// Runs a scene by the program: what it wrote, and its error output.
+/// Runs a scene with the program; returns its results, and its error output.
 fn barwave(text: &str) -> (Option<Vec<f64>>, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let (file, out) = (folder.path().join("bar.toml"), folder.path().join("bar.h5"));
@@ -449,7 +449,7 @@ fn the_program_runs_it_by_leapfrog_and_muscl_and_refuses_the_rest() {
     assert!(barwave(&scene(PLATEAU, "{ mixed = 1 }", "cells = 100")).0.is_some());
 }
 
-/// An elastic range that has moved takes what follows a level stretch off it, by rounding: no wave is long enough for that.
+/// An elastic range that has moved cancels a level stretch only to rounding: no wave may be long enough to see the difference.
 #[test]
 fn a_level_stretch_ends_where_it_began_wherever_the_elastic_range_is() {
     let curve = Curve::new(&[(0.7, 0.7), (2.0, 1.1), (4.0, 1.1), (20.0, 2.0)], Beyond::Extend).expect("rows rise");
@@ -471,7 +471,7 @@ fn a_level_stretch_ends_where_it_began_wherever_the_elastic_range_is() {
     }
 }
 
-/// The law of `mixed` gives back along a flat line what it stored along a steep one; a user is told.
+/// The law of `mixed` returns along a level line what it stored along a steep one, which is noted.
 #[test]
 fn hardening_that_may_return_more_work_than_was_done_is_noted() {
     let notes = |table: &str, effects: &str| {

@@ -1,4 +1,4 @@
-//! The contract that every law keeps, with the loading table in every form in which it can be read.
+//! Properties of every law, with the loading table in every form in which it is evaluated.
 
 use crate::common;
 
@@ -10,7 +10,7 @@ use barwave::law::{
 use barwave::material::{Beyond, Curve};
 use common::MODULUS;
 
-/// A material point: its stress, its law's state, and E times its total strain.
+/// Material point: its stress, the state of its law, and E times its total strain.
 struct Point<'a, L, const N: usize> {
     law: &'a L,
     sigma: f64,
@@ -23,7 +23,7 @@ impl<'a, L: CellLaw<N>, const N: usize> Point<'a, L, N> {
         Self { law, sigma: 0.0, state: [0.0; N], z: 0.0 }
     }
 
-    /// One increment of E times strain; returns E times the plastic part of it.
+    /// Applies an increment of E times strain; returns E times its plastic part.
     fn step(&mut self, increment: f64) -> f64 {
         let response = self.law.respond(self.sigma, self.law.base(self.sigma, self.state) + increment, self.state);
         (self.sigma, self.state) = (response.sigma, response.state);
@@ -31,7 +31,7 @@ impl<'a, L: CellLaw<N>, const N: usize> Point<'a, L, N> {
         response.plastic
     }
 
-    /// `count` equal steps to a given strain; returns the work done, E times J/m^3.
+    /// Strains the point to a given strain in `count` equal steps; returns E times the work done, J/m^3.
     fn go_to(&mut self, z: f64, count: u32) -> f64 {
         let increment = (z - self.z) / f64::from(count);
         (0..count)
@@ -44,7 +44,7 @@ impl<'a, L: CellLaw<N>, const N: usize> Point<'a, L, N> {
     }
 }
 
-/// Increments of a strain path that goes to and fro, farther and farther, up to about `reach`: the same on every run.
+/// Returns increments of a strain path with alternating sign and growing amplitude up to about `reach`, the same in every run.
 fn to_and_fro(reach: f64) -> Vec<f64> {
     let mut seed = 1_u64;
     let mut random = move || {
@@ -63,7 +63,7 @@ fn to_and_fro(reach: f64) -> Vec<f64> {
     path
 }
 
-/// Round-off of paths of about a thousand steps, relative to the largest E times strain on them.
+/// Rounding of paths of about a thousand steps, relative to the largest E times strain on them.
 const ROUND_OFF: f64 = 1e-12;
 
 fn zero_at_rest<L: CellLaw<N>, const N: usize>(law: &L) {
@@ -73,7 +73,7 @@ fn zero_at_rest<L: CellLaw<N>, const N: usize>(law: &L) {
     assert_eq!((law.plastic_strain([0.0; N]), law.accumulated([0.0; N])), (0.0, 0.0));
 }
 
-/// `image` is the law with tension and compression swapped.
+/// Checks the mirror symmetry; `image` is the law with tension and compression exchanged.
 fn mirrored<L: CellLaw<N>, const N: usize>(law: &L, image: &L, reach: f64) {
     let (mut here, mut there) = (Point::new(law), Point::new(image));
     for increment in to_and_fro(reach) {
@@ -84,7 +84,7 @@ fn mirrored<L: CellLaw<N>, const N: usize>(law: &L, image: &L, reach: f64) {
     }
 }
 
-/// Below yield a law is Hooke's to the last bit.
+/// Checks that the law is Hooke's law below yield, to the last bit.
 fn elastic_before_yield<L: CellLaw<N>, const N: usize>(law: &L, yield_stress: f64) {
     let mut point = Point::new(law);
     let mut hooke = 0.0;
@@ -95,7 +95,7 @@ fn elastic_before_yield<L: CellLaw<N>, const N: usize>(law: &L, yield_stress: f6
     }
 }
 
-/// First loading in many small steps follows the table, and what is not stress is plastic strain.
+/// Checks that first loading in many small steps follows the table, and that the strain is the sum of its elastic and plastic parts.
 fn reproduces_the_table<L: CellLaw<N>, const N: usize>(law: &L, table: &Table, sign: f64) {
     let reach = far(table);
     let (mut point, searched) = (Point::new(law), Searched(table.clone()));
@@ -109,7 +109,7 @@ fn reproduces_the_table<L: CellLaw<N>, const N: usize>(law: &L, table: &Table, s
     }
 }
 
-/// A little way on from the middle of each line the stress grows by the line's slope; back, by that or elastically.
+/// Checks that from the middle of each line the stress increases with the slope of the line, and decreases with this slope or elastically.
 fn tangents<L: CellLaw<N>, const N: usize>(law: &L, table: &Table, unloads: bool) {
     let ends = table.lines().iter().skip(1).map(|l| l.start).chain([far(table)]);
     for (line, end) in table.lines().iter().zip(ends) {
@@ -121,13 +121,13 @@ fn tangents<L: CellLaw<N>, const N: usize>(law: &L, table: &Table, unloads: bool
             (moved.sigma, moved.z) = (point.sigma, point.z);
             moved.step(increment);
             let difference = (moved.sigma - point.sigma) / increment;
-            // Round-off of stresses of this size over the increment.
+            // Rounding of stresses of this size, divided by the increment.
             assert!((difference - slope).abs() < ROUND_OFF * end / little, "{line:?}: {difference}");
         }
     }
 }
 
-/// Work over closed cycles of strain is never negative; with no unloading it is given back to the last bit but round-off.
+/// Checks that the work over closed strain cycles is never negative, and zero to rounding if the curve is followed both ways.
 fn cycles_dissipate<L: CellLaw<N>, const N: usize>(law: &L, reach: f64, unloads: bool) {
     let mut point = Point::new(law);
     let little = ROUND_OFF * reach * reach;
@@ -141,13 +141,13 @@ fn cycles_dissipate<L: CellLaw<N>, const N: usize>(law: &L, reach: f64, unloads:
     }
 }
 
-/// A cell that flowed flows on, its strain being what it was, and then is where loading would have brought it.
+/// Checks that a cell that continues to flow at constant strain reaches the state to which loading would have brought it.
 fn flows_on<L: CellLaw<N>, const N: usize>(law: &L, reach: f64, unloads: bool) {
     let (mut point, mut further) = (Point::new(law), Point::new(law));
     point.go_to(0.9 * reach, 2000);
     let plastic = point.step(5e-4 * reach);
     for size in [1e2, 1e4, 1e6] {
-        // From scene 14554826157596581714: so far that the way back flows, too, which gave energy.
+        // Flow that is large enough to include reverse flow, as in scene 14554826157596581714, must not produce energy.
         if let Some((after, work)) = law.flow_on(point.sigma, size * plastic, point.state) {
             assert!(after.plastic * plastic > 0.0 && work > 0.0, "{after:?}, {work:e} of {plastic:e} times {size:e}");
         }
@@ -165,12 +165,12 @@ fn flows_on<L: CellLaw<N>, const N: usize>(law: &L, reach: f64, unloads: bool) {
     assert!((point.sigma - further.sigma).abs() < 1e-9 * reach.abs(), "{:e}, not {:e}", point.sigma, further.sigma);
 }
 
-/// How far the tests load a table, as E times strain, Pa: into its last line.
+/// Returns E times the strain up to which tables are tested, Pa: within the last line.
 fn far(table: &Table) -> f64 {
     1.2 * table.lines()[table.lines().len() - 1].start
 }
 
-/// What every law keeps, with a table that is the same in tension and compression.
+/// Checks the properties of every law, with a table that is the same in tension and compression.
 fn contract<L: CellLaw<N>, const N: usize>(law: &L, table: &Table, unloads: bool) {
     zero_at_rest(law);
     mirrored(law, law, far(table));
@@ -183,7 +183,7 @@ fn contract<L: CellLaw<N>, const N: usize>(law: &L, table: &Table, unloads: bool
     flows_on(law, -far(table), unloads);
 }
 
-/// `contract` with a table for each sense; `image` is the law with the two swapped.
+/// Checks these properties with a table for each sense; `image` is the law with the two exchanged.
 fn two_sided_contract<L: CellLaw<N>, const N: usize>(
     law: &L,
     image: &L,
@@ -202,7 +202,7 @@ fn two_sided_contract<L: CellLaw<N>, const N: usize>(
     flows_on(law, -far(compression), unloads);
 }
 
-/// Plastic flow takes energy in every single step: stress times plastic increment is never negative.
+/// Checks that plastic flow dissipates energy in every step: stress times plastic increment is never negative.
 fn isotropic_flow_dissipates<B: Backbone>(law: &Isotropic<B>, reach: f64) {
     let mut point = Point::new(law);
     for increment in to_and_fro(reach) {
@@ -211,7 +211,7 @@ fn isotropic_flow_dissipates<B: Backbone>(law: &Isotropic<B>, reach: f64) {
     }
 }
 
-/// With a back stress it is the stress above it that dissipates; the rest of the work is stored, and can come back.
+/// Checks that the stress minus the back stress dissipates energy; the rest of the work is stored, and can be returned.
 fn moving_flow_dissipates<L: CellLaw<N>, const N: usize>(law: &L, reach: f64) {
     let mut point = Point::new(law);
     for increment in to_and_fro(reach) {
@@ -232,7 +232,7 @@ fn mixed_without_kinematic_part_is_isotropic<B: Backbone + Clone>(backbone: &B, 
     }
 }
 
-/// Bauschinger: after loading, flow sets in again once the stress has come back by twice the first yield stress.
+/// Checks the Bauschinger effect: after loading, reverse flow starts when the stress has decreased by twice the initial yield stress.
 fn kinematic_keeps_its_elastic_range<B: Backbone>(law: &Mixed<B>, table: &Table) {
     let mut point = Point::new(law);
     point.go_to(far(table), 1000);
@@ -240,7 +240,7 @@ fn kinematic_keeps_its_elastic_range<B: Backbone>(law: &Mixed<B>, table: &Table)
     let little = 1e-4 * law.yield_stress;
     while point.step(-little) == 0.0 {}
     let range = top - point.sigma;
-    // Up to the step in which flow sets in.
+    // Up to the step in which flow starts.
     assert!((range - 2.0 * law.yield_stress).abs() <= 1.01 * little, "{range:e}");
 }
 
@@ -267,7 +267,7 @@ fn every_law<B: Backbone + Clone>(backbone: &B, table: &Table) {
     kinematic_keeps_its_elastic_range(&mixed(1.0), table);
 }
 
-/// A back stress that rises as the curve does and recalls nothing leaves the size of the elastic range as it is.
+/// A back stress without recall that increases as the curve leaves the size of the elastic range unchanged.
 #[test]
 fn armstrong_frederick_without_recall_is_kinematic_along_one_line() {
     let (table, hardening) = (bilinear(), 20e9);
@@ -291,7 +291,7 @@ fn bilinear() -> Table {
     table(&[(0.001, 200e6), (0.021, 600e6)], Beyond::Extend)
 }
 
-/// Three slopes and a flat end.
+/// Returns a table with three slopes and a level end.
 fn three_slopes() -> Table {
     table(&[(0.001, 200e6), (0.01, 300e6), (0.05, 400e6)], Beyond::Rupture)
 }
@@ -300,19 +300,19 @@ fn power_law() -> Table {
     Table::new(&common::power_law_steel().tension, MODULUS)
 }
 
-/// A yield drop, then slopes that grow (lock-up): no concave table.
+/// Returns a table with a yield drop, then increasing slopes (lock-up), which is not concave.
 fn s_shaped() -> Table {
     let rows = [(0.0015, 300e6), (0.0016, 250e6), (0.02, 280e6), (0.03, 400e6), (0.04, 900e6), (0.05, 950e6)];
     table(&rows, Beyond::Extend)
 }
 
-/// Between two of its rows it rises as steeply as the elastic line, without plastic strain.
+/// Returns a table that is as steep as the elastic line between two rows, without plastic strain.
 fn elastic_in_between() -> Table {
     table(&[(0.001, 200e6), (0.003, 240e6), (0.0035, 339_999_999.999_98), (0.02, 500e6)], Beyond::Extend)
 }
 
-/// A cell that has come to the top of such a line and unloads: it is within its elastic range, and on the line by rounding. From
-/// scene 12510585834813658275, which lost 1.5 % of its energy by that.
+/// A cell at the top of such a line that unloads is within its elastic range, and on the line to rounding: no hardening may be lost, as in scene
+/// 12510585834813658275, where it would cost 1.5 % of the energy.
 #[test]
 fn unloading_along_a_line_as_steep_as_the_elastic_one_loses_no_hardening() {
     let rows = [
@@ -403,7 +403,7 @@ const RATES: [Overstress; 5] = [
     Overstress::JohnsonCook { c: 0.014, rate: MODULUS },
 ];
 
-/// The contract for steps so long that all overstress goes in each, and a path of steps of any length.
+/// Checks the properties with steps so long that all overstress relaxes in each, and a path with steps of any length.
 fn timed_contract<const N: usize>(table: &Table, kinematic: f64) {
     for overstress in RATES {
         let law = |time| Timed::<N>::new(RateLaw::new(overstress, table, None, kinematic), time);
@@ -414,7 +414,7 @@ fn timed_contract<const N: usize>(table: &Table, kinematic: f64) {
             elastic_before_yield(&law(time), table.yield_stress());
             never_below_the_static_curve(&law(time), table);
         }
-        // No time at all: Hooke's law for ever.
+        // Without time, the law is Hooke's.
         let (frozen, mut hooke) = (law(0.0), 0.0);
         let mut point = Point::new(&frozen);
         for increment in to_and_fro(far(table)) {
@@ -425,7 +425,7 @@ fn timed_contract<const N: usize>(table: &Table, kinematic: f64) {
     }
 }
 
-/// On first loading the stress lies between the static curve and the elastic line, and what is not stress is plastic strain.
+/// Checks that the stress of first loading is between the static curve and the elastic line, and that the strain is the sum of its parts.
 fn never_below_the_static_curve<const N: usize>(law: &Timed<N>, table: &Table) {
     let (mut point, searched, reach) = (Point::new(law), Searched(table.clone()), far(table));
     for _ in 0..500 {
@@ -473,9 +473,8 @@ fn quick_as<A: CellLaw<N>, B: CellLaw<M>, const N: usize, const M: usize>(timed:
     }
 }
 
-/// Cell strained at a constant rate under Malvern's law on a flat curve: the overstress is E rate/k (1 - exp(-k t)). Steps of a
-/// cell that flows keep to that exactly; of the one in which it comes to its limit a part is taken as from a jump, and the error
-/// of this falls as the third power of the step.
+/// A cell strained at a constant rate with Malvern's law on a level curve has the overstress E rate/k (1 - exp(-k t)). Steps of a flowing cell follow
+/// it exactly. In the step in which it yields, part of the strain is treated as a jump, with an error of third order in the step.
 #[test]
 fn a_cell_strained_evenly_follows_its_differential_equation() {
     let flat = table(&[(0.001, 200e6), (0.1, 200e6)], Beyond::Extend);
@@ -495,7 +494,7 @@ fn a_cell_strained_evenly_follows_its_differential_equation() {
         assert!((found / goes_on - 1.0).abs() < 1e-14 * f64::from(steps), "{steps}: {found:e} {goes_on:e}");
         (found / exact - 1.0).abs()
     };
-    // From two relaxation times a step on.
+    // From two relaxation times per step.
     for steps in [1, 2, 3, 10] {
         let error = error(steps);
         assert!(error < 0.01 * (k * until / f64::from(steps)).powi(3), "{steps}: {error:e}");
@@ -503,7 +502,7 @@ fn a_cell_strained_evenly_follows_its_differential_equation() {
     let errors = [20, 40, 80].map(error);
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
-        // The next term is of the fourth order: k dt/3 of this one.
+        // The next term is of fourth order: k dt/3 of this one.
         assert!((order - 3.0).abs() < 0.05, "{errors:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! The library as other programs use it.
+//! The library as used by other programs.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -142,7 +142,7 @@ fn impacts_out_of_range_are_errors_that_name_the_member() {
     assert!(allowed(&Beam { foundation: buckled, ..beam.clone() }).starts_with("axial < "));
     let masses = [1.0, 0.0];
     assert_eq!(allowed(&Spheres::Pendulum { masses, after: 1.0 }), "masses > 0");
-    // Of magnitudes that no length has, the buckling load would be no number.
+    // Lengths of such magnitudes would make the buckling load infinite or NaN.
     for length in [1e300, 1e-300] {
         assert_names(&Beam { length, ..beam.clone() }, "length");
     }

@@ -1,4 +1,4 @@
-//! What a program hands to the library is checked as what a file says: no endless loop, no panic, no silent NaN.
+//! Arguments of the library are checked like the values in a file: no endless loop, no panic, no silent NaN.
 
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Values that no bar has, and those that look like a slip of a unit or a sign, through the real binary.
+//! Values that no bar has, and values that look like a wrong unit or sign, through the real binary.
 
 use crate::common::binary;
 
@@ -32,13 +32,13 @@ fn with(from: &str, to: &str) -> String {
     SCENE.replacen(from, to, 1)
 }
 
-/// Exit code and all text of a command on a scene in this folder.
+/// Returns the exit code and all text of a command on a scene in this folder.
 fn says(folder: &Path, command: &str, scene: &str) -> (Option<i32>, String) {
     std::fs::write(folder.join("s.toml"), scene).expect("written");
     let arguments: &[&str] = if command == "run" { &["run", "s.toml", "-o", "s.h5"] } else { &[command, "s.toml"] };
     let output = barwave(folder, arguments);
     let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
-    // As one line, whatever the width of the terminal.
+    // Joined to one line, independent of the width of the terminal.
     (output.status.code(), text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
@@ -55,7 +55,7 @@ fn assert_refused(scene: &str, words: &[&str]) {
     assert!(!folder.path().join("s.h5").exists());
 }
 
-/// Every command says it, and the run is done all the same.
+/// Checks that every command notes it, and that the run is done nevertheless.
 fn assert_noted(scene: &str, words: &[&str]) {
     let folder = tempfile::tempdir().expect("a folder");
     for command in ["check", "plan", "run"] {
@@ -67,7 +67,7 @@ fn assert_noted(scene: &str, words: &[&str]) {
     }
 }
 
-/// These gave an account that was not a number with exit code 0, a residual of 0.6 %, or an error without the cause.
+/// Values that would give a NaN in the balance, a residual of 0.6 %, or an error without its cause are refused with the allowed range.
 #[test]
 fn what_no_bar_has_is_refused_with_its_range() {
     for (from, to, words) in [
@@ -91,7 +91,7 @@ fn what_no_bar_has_is_refused_with_its_range() {
     }
 }
 
-/// A row of a CSV file is held to the same range.
+/// A row of a CSV file has the same range.
 #[test]
 fn a_curve_in_a_file_is_held_to_the_same_range() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -112,13 +112,13 @@ fn an_end_that_is_pushed_in_faster_than_the_wave_runs_away_is_refused() {
         &words,
     );
     assert_refused(&with("[right]\nkind = \"free\"", "[right]\nkind = \"velocity\"\nvalue = -6000"), &words);
-    // Pulled as fast, it is a matter of the curve.
+    // Pulled at this velocity, the curve determines the result.
     let folder = tempfile::tempdir().expect("a folder");
     let (code, text) = says(folder.path(), "check", &with("\"3 m/s\"", "-6000"));
     assert_eq!(code, Some(0), "{text}");
 }
 
-/// Such a bar was as soft as foam, without a word.
+/// A bar as soft as foam by a wrong unit of the curve is refused.
 #[test]
 fn a_curve_in_another_unit_than_its_modulus_is_refused_with_the_unit() {
     for (table, unit) in [
@@ -130,7 +130,7 @@ fn a_curve_in_another_unit_than_its_modulus_is_refused_with_the_unit() {
     ] {
         assert_refused(&with(TABLE, table), &["bar.material.curve.table", &format!("seem to be in {unit}, not in Pa")]);
     }
-    // Where the unit is named it is more likely the modulus.
+    // If the unit is stated, the modulus is more likely wrong.
     let table = "[[1e-3, 200e-3], [0.1, 400e-3]], unit = \"MPa\"";
     assert_refused(&with(TABLE, table), &["bar.material.curve.table", "help: check the modulus, and the unit"]);
 }
@@ -160,7 +160,7 @@ fn a_striker_that_moves_away_is_noted() {
     );
 }
 
-/// A lever is struck by a ball of its own velocity, and x has no part in a rotation.
+/// A lever is struck by a ball with a velocity of its own; x has no meaning for a rotation.
 #[test]
 fn a_ball_that_leaves_a_lever_is_noted_with_its_own_velocity() {
     let ball =
@@ -197,7 +197,7 @@ fn a_bar_that_moves_away_from_what_it_shall_hit_is_noted() {
     assert!(code == Some(0) && !text.contains("move apart"), "{text}");
 }
 
-/// Metals have 1000 to 13000 m/s.
+/// Metals have wave speeds of 1000 to 13000 m/s.
 #[test]
 fn a_wave_speed_of_no_solid_is_noted() {
     assert_noted(&with("7800", "7.8"), &["the elastic wave speed of `steel` is 160128 m/s", "the density, 7.8 kg/m^3"]);
@@ -211,7 +211,7 @@ fn a_history_in_microseconds_without_a_unit_is_noted() {
     assert_noted(&rows, &["the history at the left end has its first change at 10 s", "`time [us]`"]);
 }
 
-/// 50 Hz were read as 50 rad/s.
+/// 50 Hz must not be read as 50 rad/s.
 #[test]
 fn a_frequency_is_no_angular_velocity() {
     let twisted =
@@ -251,7 +251,6 @@ fn a_history_whose_first_column_is_not_a_time_is_refused() {
     }
 }
 
-/// A row of three entries was refused before, too.
 #[test]
 fn a_row_of_three_entries_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

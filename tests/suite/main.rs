@@ -1,4 +1,4 @@
-//! The tests through the library and the program that may share a process: one program, linked once.
+//! The tests of the library and the program that may share a process, in one test binary.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! Material files: what they mean, and what is refused with which words.
+//! Material files: what they mean, and which are refused with which messages.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ fn right(text: &str) -> Material {
     read(text).unwrap_or_else(|e| panic!("{e}\nin\n{text}"))
 }
 
-/// The message, which has to hold all the words; exit code 2.
+/// Checks that the file is refused with exit code 2, and that the message contains all the words.
 fn refused(text: &str, words: &[&str]) {
     let error = read(text).expect_err("it is wrong");
     assert_eq!(error.exit_code(), 2);
@@ -47,7 +47,7 @@ fn a_table_with_units() {
     }
 }
 
-/// A first row whose strain was rounded in its eighth digit made the elastic limit 0, or was refused.
+/// Rounding of the first strain in its eighth digit must neither make the elastic limit 0 nor cause a refusal.
 #[test]
 fn rounded_digits_leave_the_elastic_line_where_it_is() {
     let of =
@@ -69,13 +69,14 @@ fn rounded_digits_leave_the_elastic_line_where_it_is() {
         );
         assert!(m.tension.steeper_than(m.modulus).is_none(), "{rows}");
     }
-    // A row that is really too steep shows the difference.
+    // For a row that is indeed too steep, the message shows the difference.
     let table = |rows: &str| format!("{TABLE}unit = \"MPa\"\ntable = [{rows}]\n");
     refused(&table("[0.001, 200.002], [0.1, 400]"), &["2.000020e11 Pa, above the modulus 2.000000e11 Pa"]);
     refused(&table("[0.001, 150], [0.002, 350.000004]"), &["2.00000004e11 Pa, above the modulus 2.00000000e11 Pa"]);
 }
 
-/// The elastic strain of the law is sigma/E in true measure and straight in engineering measure in the table: 1.12 MPa, where 0.33 MPa was stated.
+/// The elastic strain of the law is sigma/E in true measure, and a straight line in engineering measure in the table: an error of 1.12 MPa, of which
+/// the plastic part alone is 0.33 MPa.
 #[test]
 fn the_error_of_a_ramberg_osgood_table_includes_its_elastic_line() {
     for (sense, sign) in [("tension", 1.0_f64), ("compression", -1.0)] {
@@ -265,8 +266,8 @@ fn every_library_file_is_built_in_complete_and_right() {
 fn annealed_copper_has_the_power_laws_critical_velocity() {
     let m = library::find("copper-annealed", Path::new("no-such-folder")).expect("it is built in");
     let v_c = critical(&m.tension, m.density).expect("inside");
-    // K e^n with K = 530 MPa, n = 0.44, rho = 8960: sqrt(K/rho) n^(1+n/2) B((n+1)/2, 3/2) = 90.0738775 m/s without
-    // the elastic line, which takes off 2e-5; the table is good to 1e-3.
+    // K e^n with K = 530 MPa, n = 0.44, rho = 8960: sqrt(K/rho) n^(1+n/2) B((n+1)/2, 3/2) = 90.0738775 m/s without the elastic line, which reduces it
+    // by 2e-5; the table is accurate to 1e-3.
     assert!((v_c.velocity / 90.073_877_5 - 1.0).abs() < 1e-3, "{}", v_c.velocity);
     assert!((v_c.strain / 0.44_f64.exp_m1() - 1.0).abs() < 1e-12);
 }

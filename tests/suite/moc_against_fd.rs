@@ -1,5 +1,5 @@
-//! Front tracking and the schemes on a grid on the same bars: methods that share little but the curve. Their difference falls with
-//! the cells.
+//! Front tracking and the schemes on a grid on the same bars. These methods share little except the curve; their difference decreases with the cell
+//! size.
 
 use crate::common;
 use crate::common::muscl;
@@ -13,7 +13,7 @@ use barwave::solver::fd::{Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::solver::muscl::Muscl;
 
-/// A bar, its ends, and for how many elastic transits it is followed.
+/// Bar, its ends, and the number of elastic transits that are simulated.
 struct Case {
     name: &'static str,
     segments: Vec<Segment>,
@@ -22,8 +22,7 @@ struct Case {
     transits: f64,
 }
 
-/// Looks at the bar, evenly spread over the run: fronts lie differently in their cells at each, which a single look would
-/// show as noise.
+/// Number of comparisons, evenly spread over the run: the positions of fronts in their cells vary, which a single comparison would show as noise.
 const LOOKS: usize = 20;
 
 impl Case {
@@ -39,7 +38,7 @@ impl Case {
         muscl::muscl(self.segments.clone(), self.ends.clone(), Some(self.hardening), cells, 1.0)
     }
 
-    /// L1 difference of stress over bar and time of a fresh bar on a grid, relative.
+    /// Returns the relative L1 difference of stress over the bar and time from a bar on a grid at t = 0.
     fn difference(&self, mut grid: impl Stepped) -> f64 {
         let bar = self.bar();
         let until = self.transits * bar.transit_time();
@@ -70,7 +69,7 @@ fn steel(length: f64) -> Segment {
     common::segment(common::bilinear_steel(), length)
 }
 
-/// Aluminium-like: half as stiff, a third as heavy, yield at 280 MPa.
+/// Returns a segment of a metal like aluminium: half as stiff, a third as heavy, yield at 280 MPa.
 fn light(length: f64) -> Segment {
     let curve = Curve::new(&[(0.004, 280e6), (0.05, 500e6)], Beyond::Extend).expect("rows rise");
     common::segment(Material::from_curve("light", 2700.0, curve).expect("a material"), length)
@@ -127,11 +126,10 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Orders are about 2/3, not 1, wherever plastic fronts run along a straight line of the curve: on such a line the wave
-/// equation is linear, and nothing steepens a front again that the grid has spread. A second-order scheme moves a
-/// jump of a linear equation with a third-derivative error, which spreads it over h^(2/3) of length; the L1 error is
-/// that width times the jump. Order 1 is seen only where fronts are moved exactly (elastic ones, at a Courant number of
-/// one) or where a stiffening curve holds them together.
+/// The order is about 2/3, not 1, where plastic fronts travel along a straight line of the curve: there the wave equation is linear, and nothing
+/// steepens a front that the grid has spread. A second-order scheme advects a jump of a linear equation with a third-derivative error, which spreads
+/// it over h^(2/3) of length; the L1 error is this width times the jump. The order is 1 only where fronts are advected exactly (elastic ones at
+/// Courant number 1), or where a stiffening curve keeps them sharp.
 #[test]
 fn the_difference_falls_with_the_cells() {
     for case in cases() {
@@ -139,14 +137,14 @@ fn the_difference_falls_with_the_cells() {
         let order = (coarse / fine).ln() / 9.0_f64.ln();
         println!("{:24} {coarse:.2e} {middle:.2e} {fine:.2e}  order {order:.2}", case.name);
         assert!(fine < middle && middle < coarse, "{}: {coarse:e} {middle:e} {fine:e}", case.name);
-        // A second-order scheme spreads a front that it does not follow at its own speed over n^(1/3) of n cells, which is
-        // order 2/3 for the plastic ones; the elastic ones are exact.
+        // A second-order scheme spreads a front that does not travel at one cell per step over n^(1/3) of n cells, which is order 2/3 for the plastic
+        // ones; the elastic ones are exact.
         assert!(order > 0.63, "{}: order {order}", case.name);
         assert!(fine < 5e-3, "{}: {fine:e}", case.name);
     }
 }
 
-/// The conservative scheme, too: its flux is the Riemann problem's of front tracking, its way from front to front is not.
+/// The same holds for the conservative scheme: it shares the Riemann problem of front tracking for its flux, but not the advection of fronts.
 #[test]
 fn the_difference_of_muscl_falls_with_the_cells() {
     for case in cases() {
@@ -161,7 +159,7 @@ fn the_difference_of_muscl_falls_with_the_cells() {
 
 #[test]
 fn elastic_fronts_are_the_same_in_both_methods() {
-    // At a Courant number of one a front goes from cell to cell: nothing spreads, at an area step neither.
+    // At Courant number 1, a front moves from cell to cell without spreading, also at a step in area.
     let elastic = |area, length| Segment::new(length, area, common::elastic_steel());
     let case = Case {
         name: "elastic, a step in area",
@@ -178,9 +176,9 @@ fn elastic_fronts_are_the_same_in_both_methods() {
     }
 }
 
-/// A stretched bar that is suddenly pushed, along a curve followed both ways: the shock of unloading stops at the yield stress on the other side, and
-/// slower plastic waves follow. Slopes, and in leapfrog a filter that damped the velocities after the step, held the first of them, to 264 MPa, together
-/// with the shock, 1.18 times as fast, at any resolution.
+/// A bar in tension that is suddenly pushed, along a curve that is followed both ways: the shock of unloading stops at the yield stress in
+/// compression, and slower plastic waves follow. Slopes (and, in leapfrog, a filter of the velocities after the step) must not keep the first of
+/// them, up to 264 MPa, together with the shock, which would then be 1.18 times as fast at any resolution.
 #[test]
 fn a_shock_that_reverses_the_stress_splits_at_yield() {
     let curve = [(9.22e-4, 184.4e6), (8.50084e-3, 634.583e6)];
@@ -190,7 +188,7 @@ fn a_shock_that_reverses_the_stress_splits_at_yield() {
     let [turns, until] = [0.16, 0.56].map(|part| part / c0);
     let ends =
         || [EndCondition::Free, common::moved_by(&[(0.0, pulled), (turns, pulled), (turns, pushed), (1.0, pushed)])];
-    // Where the stress is beyond yield, over where it should be; and the largest stress.
+    // Length of the part with stress beyond yield, relative to the exact one, and the largest stress.
     let found = |stress: &[f64]| {
         let beyond = stress.iter().filter(|&&stress| stress < -1.2 * curve[0].1).count() as f64 / stress.len() as f64;
         (beyond / (c1 * (until - turns)), -stress.iter().copied().fold(0.0, f64::min))

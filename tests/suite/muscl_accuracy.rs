@@ -1,4 +1,4 @@
-//! Accuracy of the conservative scheme: smooth flow with order two, fronts, and the right shocks.
+//! Accuracy of the conservative scheme: second order in smooth flow, fronts, and correct shocks.
 
 use crate::common;
 use crate::common::muscl;
@@ -23,7 +23,7 @@ fn order(coarse: f64, fine: f64, refinement: f64) -> f64 {
     (coarse / fine).ln() / refinement.ln()
 }
 
-/// Relative L1 distance of a quantity from its exact value at the cell centres.
+/// Returns the relative L1 error of a quantity at the cell centres.
 fn error(bar: &Muscl, quantity: Quantity, exact: impl Fn(f64) -> f64) -> f64 {
     let (mut missed, mut total) = (0.0, 0.0);
     for (x, found) in bar.grid().centres().into_iter().zip(muscl::profile(bar, quantity)) {
@@ -33,7 +33,7 @@ fn error(bar: &Muscl, quantity: Quantity, exact: impl Fn(f64) -> f64) -> f64 {
     missed / total
 }
 
-/// A bar of 1 m that is pushed from rest at t = 0, and lets waves out at its far end.
+/// Returns a bar of 1 m that is pushed from rest at t = 0, with an absorbing far end.
 fn pushed(material: &Arc<Material>, velocity: f64, hardening: Option<HardeningRule>, cells: usize, time: f64) -> Muscl {
     pushed_at(1.0, material, velocity, hardening, cells, time)
 }
@@ -53,13 +53,13 @@ fn pushed_at(
     bar
 }
 
-/// Relative L1 of stress against the self-similar solution of the table.
+/// Returns the relative L1 error of stress against the self-similar solution of the table.
 fn similarity_error(bar: &Muscl, fan: &Fan) -> f64 {
     let time = bar.time();
     error(bar, Quantity::Stress, |x| -fan.state(x / time).1)
 }
 
-/// P1, P2 and P3 at 0.8 L/c0.
+/// Returns the error of P1, P2 or P3 at 0.8 L/c0.
 fn benchmark(material: &Material, velocity: f64, cells: usize, hardening: Option<HardeningRule>) -> f64 {
     let material = Arc::new(material.clone());
     let fan = fan_at_velocity(&material.tension, material.density, velocity);
@@ -68,12 +68,12 @@ fn benchmark(material: &Material, velocity: f64, cells: usize, hardening: Option
 
 #[test]
 fn p1_is_exact() {
-    // At Courant number 1 a cell takes over its neighbour's wave: 800 steps of one rounding each.
+    // At Courant number 1, a cell receives the wave of its neighbour unchanged: 800 steps of one rounding each.
     let error = benchmark(&common::elastic_steel(), 10.0, 1000, None);
     assert!(error < 1e-12, "{error:e}");
 }
 
-/// Stress of the smooth power law at x/t, see `tests/suite/benchmarks.rs`.
+/// Returns the stress of the smooth power law at x/t, see `tests/suite/benchmarks.rs`.
 fn p3_exact(xi: f64) -> f64 {
     let (n, yield_strain) = (0.2_f64, YIELD / MODULUS);
     let largest = ((20.0 / (c0() * yield_strain) - 1.0) * 0.6 / n.sqrt() + 1.0).powf(1.0 / 0.6);
@@ -81,7 +81,7 @@ fn p3_exact(xi: f64) -> f64 {
     if xi < c0() { YIELD * ratio.powf(n) } else { 0.0 }
 }
 
-/// P3 by a table of 1000 knots, whose own distance from the power law is below 3e-6.
+/// Returns the error of P3 with a table of 1000 knots, which differs from the power law by less than 3e-6.
 fn p3(cells: usize, hardening: Option<HardeningRule>) -> f64 {
     let bar = pushed(&Arc::new(common::power_law_table(1000)), 20.0, hardening, cells, 0.8 / c0());
     let time = bar.time();
@@ -90,7 +90,7 @@ fn p3(cells: usize, hardening: Option<HardeningRule>) -> f64 {
 
 const CELLS: [usize; 3] = [500, 1000, 2000];
 
-/// With a history and with a curve that is followed both ways.
+/// With isotropic hardening, and with a curve that is followed both ways.
 #[test]
 fn p2_and_p3_meet_their_bounds_and_converge() {
     for hardening in [ISOTROPIC, None] {
@@ -101,13 +101,13 @@ fn p2_and_p3_meet_their_bounds_and_converge() {
         println!("{hardening:?}: P2 {bilinear:?} P3 {power_law:?} orders {orders:?}");
         assert!(bilinear[1] < 1.8e-3, "{bilinear:?}");
         assert!(power_law[1] < 1.5e-3, "{power_law:?}");
-        // A front within the same few cells at any resolution is of first order; one smeared over dx^(2/3) is not.
+        // A front of constant width in cells is of first order; one that spreads over dx^(2/3) is not.
         assert!(orders.iter().flatten().all(|&o| o > 0.8), "{orders:?}");
     }
 }
 
-/// Where a curve becomes level at last, all cells in which slopes had given energy lost them, wherever they were on the curve: the error was three to
-/// five times as large.
+/// If a curve becomes level at its end, the scheme must not drop the slopes of all cells in which they have given energy, independent of their
+/// position on the curve: the error would be three to five times as large.
 #[test]
 fn rows_of_a_curve_that_the_bar_never_comes_to_change_little() {
     let rows = [(0.0, 0.0), (1e-3, 200.0), (0.021, 600.0), (0.5, 600.0)];
@@ -119,7 +119,7 @@ fn rows_of_a_curve_that_the_bar_never_comes_to_change_little() {
     }
 }
 
-/// What a front at this speed is measured at: where strain passes the middle between its two sides.
+/// Returns the measured speed of a front: the position where the strain passes the middle between its two sides, divided by time.
 fn measured_speed(bar: &Muscl, strains: [f64; 2]) -> f64 {
     let level = 0.5 * (strains[0] + strains[1]);
     let strain = muscl::profile(bar, Quantity::Strain);
@@ -157,18 +157,18 @@ fn printed() -> Vec<Printed> {
     ]
 }
 
-/// Speeds, the plateau behind them all, and nothing in between: the fronts of the hull and no others. With slopes inside
-/// shocks, T-B's two slow fronts ran as one of 281 m/s at any resolution.
+/// The solution has the fronts of the hull, with their speeds and the plateau behind them, and no others. With slopes inside shocks, T-B's two slow
+/// fronts would travel as one of 281 m/s at any resolution.
 ///
-/// With a history, what a strong shock overshoots by in its cells stays as strain, and slows it: 1 % of the speed and of
-/// the stress at half a Courant number, whatever the resolution. (Leapfrog's shock in T-C is 6 % slow.)
+/// With hardening, the overshoot of a strong shock in its cells remains as strain, and slows the shock: 1 % of the speed and of the stress at Courant
+/// number 0.5, at any resolution. (Leapfrog's shock in T-C is 6 % slow.)
 #[test]
 fn printed_tables_have_their_fronts() {
     for (name, material, velocity, fronts) in printed() {
         let fan = fan_at_velocity(&material.tension, material.density, velocity);
         for (hardening, cfl, kept) in [(None, 0.5, 0.0), (ISOTROPIC, 0.5, 0.01)] {
             let errors = [300, 500].map(|cells| {
-                // While the precursor is in the bar, and when the fastest front behind it has gone most of the way.
+                // While the precursor is in the bar, and when the fastest front behind it has travelled most of the way.
                 let stages = [(0.9 / fronts[0].0, &fronts[..1]), (0.8 / fronts[1].0, &fronts[1..])];
                 let mut bar = pushed_at(cfl, &material, velocity, hardening, cells, 0.0);
                 for (time, fronts) in stages {
@@ -176,7 +176,7 @@ fn printed_tables_have_their_fronts() {
                     for &(speed, ahead, behind) in fronts {
                         let found = measured_speed(&bar, [ahead, behind]);
                         println!("{name} {hardening:?} {cells}: {speed} {found}");
-                        // A front is in its cell, give or take what it was late by while the first cells were loaded.
+                        // The position of a front is known to its cell, and to its delay while the first cells were loaded.
                         let near = 3.0 * bar.grid().segments[0].dx / bar.time() + kept * speed;
                         assert!((found - speed).abs() < near, "{name} {hardening:?} {cells}: {speed} {found}");
                     }
@@ -194,7 +194,7 @@ fn printed_tables_have_their_fronts() {
     }
 }
 
-/// A smooth pulse below yield, sin^4, 0.2 L long, with its exact solution sigma = -rho c0 v(t - x/c0).
+/// Returns the error of a smooth pulse below yield, sin^4 with a length of 0.2 L, against sigma = -rho c0 v(t - x/c0).
 fn smooth_pulse(cells: usize, cfl: f64) -> f64 {
     let history = common::smooth_pulse(0.2 / c0());
     let pushed = EndCondition::Velocity { history: history.clone(), release: None };
@@ -211,15 +211,16 @@ fn a_smooth_elastic_pulse_converges_with_order_two() {
     let orders: Vec<f64> = errors.windows(2).map(|e| order(e[0], e[1], 2.0)).collect();
     println!("elastic pulse {errors:?} {orders:?}");
     assert!(errors[1] < 3e-3, "{errors:?}");
-    // The crest, where slopes change sign, is of first order in ever fewer cells: the order comes to two from below.
+    // The scheme is of first order at the crest, where slopes change sign, in a decreasing fraction of the cells: the order approaches two from
+    // below.
     assert!(orders.iter().all(|&o| o > 1.8), "{orders:?}");
-    // What the end sends in is all that is wrong at Courant number 1: the mean over a step for the middle of it.
+    // At Courant number 1, the only error is that of the end, which uses the mean over a step for the middle of it.
     assert!(smooth_pulse(1000, 1.0) < 1e-4);
 }
 
 const FLATTENS: f64 = 0.02;
 
-/// `sigma = E (eps - eps^2/(2 FLATTENS))` as a table of 16000 lines up to three quarters of the way: smooth for any grid here.
+/// Returns `sigma = E (eps - eps^2/(2 FLATTENS))` as a table of 16000 lines up to three quarters of the maximum: smooth for any grid here.
 fn parabola() -> Arc<Material> {
     let row = |k: u32| {
         let strain = 0.75 * FLATTENS * f64::from(k) / 16_000.0;
@@ -229,12 +230,12 @@ fn parabola() -> Arc<Material> {
     Arc::new(common::material(&rows, Beyond::Extend))
 }
 
-/// Strain at which a simple wave has this velocity: `v = 2/3 c0 FLATTENS (1 - (1 - eps/FLATTENS)^(3/2))`.
+/// Returns the strain at which a simple wave has this velocity: `v = 2/3 c0 FLATTENS (1 - (1 - eps/FLATTENS)^(3/2))`.
 fn parabola_strain(velocity: f64) -> f64 {
     FLATTENS * (1.0 - (1.0 - 1.5 * velocity / (c0() * FLATTENS)).powf(2.0 / 3.0))
 }
 
-/// A bar pushed ever faster, smoothly, into plastic flow: a simple wave, in which every velocity runs at its own speed.
+/// Returns the error of a bar pushed with smoothly increasing velocity into plastic flow: a simple wave, in which every velocity has its own speed.
 fn smooth_loading(cells: usize, hardening: Option<HardeningRule>) -> f64 {
     let material = parabola();
     let (top, rise) = (0.4 * c0() * FLATTENS, 0.4 / c0());
@@ -267,13 +268,13 @@ fn smooth_plastic_loading_converges_with_order_two() {
         let orders: Vec<f64> = errors.windows(2).map(|e| order(e[0], e[1], 2.0)).collect();
         println!("plastic loading {hardening:?} {errors:?} {orders:?}");
         assert!(errors[0] < 1e-4, "{errors:?}");
-        // At the crest of the velocity's rise and at the wave's foot curvatures jump: the order comes to two from below.
+        // The curvature jumps at the crest of the velocity and at the foot of the wave: the order approaches two from below.
         assert!(orders.iter().all(|&o| o > 1.75), "{hardening:?}: {orders:?}");
     }
 }
 
-/// No front has a stress that neither of its sides has, but for what the first cells of a sudden load leave: behind them the
-/// plateau is even to 3e-5 or 5e-4 (60 knots), which falls as the bar is refined.
+/// No front has a stress outside the values of its two sides, except for the error of the first cells of a sudden load: behind them the plateau is
+/// uniform to 3e-5 or 5e-4 (60 knots), and the difference decreases with the cell size.
 #[test]
 fn fronts_are_monotone() {
     for (material, velocity, rounding) in [

@@ -1,5 +1,5 @@
-//! Curves with a level stretch (perfect plasticity, yield drop, softening): strains of the conservative scheme are bounded by
-//! the imposed velocity, and the scheme never gives the bar more energy than it has taken.
+//! Curves with a level stretch (perfect plasticity, yield drop, softening): strains of the conservative scheme are bounded by the imposed velocity,
+//! and the scheme never adds more energy to the bar than it has dissipated.
 
 use crate::common;
 use crate::common::muscl;
@@ -35,19 +35,19 @@ fn level_in_the_middle() -> Material {
     common::material(&[(0.001, 200e6), (0.01, 300e6), (0.03, 300e6), (0.2, 500e6)], Beyond::Extend)
 }
 
-/// A perfectly plastic shear curve, as a rod (q = 0) or a thick tube has it.
+/// Returns a perfectly plastic shear curve of a rod (q = 0) or a thick tube.
 fn twisted(q: f64) -> Material {
     let curve = Curve::new(&[(0.002, 160e6), (0.5, 160e6)], Beyond::Extend).expect("rows rise");
     let shear = Material::from_curve("steel", common::DENSITY, curve).expect("a material");
     (*shear.in_torsion(TubeSection { q }).expect("a curve")).clone()
 }
 
-/// Extremes over a run; energies relative to the largest energy of the bar so far.
+/// Extreme values over a run; energies are relative to the largest energy of the bar so far.
 struct Extremes {
     largest_strain: f64,
-    /// Least `numerical`; at most 0.
+    /// Smallest `numerical`; at most 0.
     least_numerical: f64,
-    /// Strains of alternating sign in three neighbouring cells, larger than elastic waves leave behind.
+    /// True if strains of three neighbouring cells alternate in sign by more than the remainders of elastic waves.
     alternates: bool,
 }
 
@@ -72,20 +72,20 @@ fn follow(bar: &mut Muscl, until: f64, what: &str) -> Extremes {
     met
 }
 
-/// The imposed velocity bounds strains, and the scheme gives no energy.
+/// Checks that the imposed velocity bounds the strains, and that the scheme adds no energy.
 fn assert_bounded(bar: &mut Muscl, until: f64, what: &str) {
     let met = follow(bar, until, what);
-    // All of the imposed displacement in one cell, and the strain of elastic waves.
+    // The whole imposed displacement in one cell, and the strain of elastic waves.
     let allowed = VELOCITY * bar.time() / bar.grid().segments[0].dx + 0.01;
     let Extremes { largest_strain, least_numerical, alternates } = met;
     println!("{what}: strain {largest_strain} of {allowed}, least {least_numerical:e}");
     assert!(largest_strain < allowed, "{what}: {largest_strain} {allowed}");
     assert!(!alternates, "{what}: strains of alternating signs");
-    // Never more than was taken: what is left is rounding.
+    // The scheme adds at most what it has dissipated; the rest is rounding.
     assert!(least_numerical > -1e-12, "{what}: {least_numerical:e}");
 }
 
-/// Ends, and the velocity of the bar at the start.
+/// Returns ends, and the initial velocity of the bar.
 fn scenes() -> [(&'static str, [EndCondition; 2], f64); 5] {
     let striker = EndCondition::Striker { mass: 3000.0, velocity: VELOCITY };
     [
@@ -112,8 +112,8 @@ fn check(name: &str, material: &Material, hardenings: &[Option<HardeningRule>]) 
     }
 }
 
-/// With slopes in flowing cells the strain at the twisted end was +5.98: against the sense of the imposed velocity, and far
-/// beyond what that can cause.
+/// With slopes in flowing cells, the strain at the twisted end would be +5.98: opposite to the imposed velocity, and far beyond what it can
+/// cause.
 #[test]
 fn a_suddenly_twisted_perfectly_plastic_rod_stays_bounded() {
     let text = r#"
@@ -150,7 +150,7 @@ cells = 20
     assert!(strain < 0.0, "{strain}");
 }
 
-/// The nominal curve of a rod becomes level ever more gradually.
+/// The nominal curve of a rod becomes level gradually.
 #[test]
 fn a_perfectly_plastic_rod_in_torsion_stays_bounded() {
     check("rod", &twisted(0.0), &[None, ISOTROPIC, Some(HardeningRule::Kinematic)]);
@@ -181,8 +181,8 @@ fn a_level_stretch_inside_a_curve_stays_bounded() {
     check("level in the middle", &level_in_the_middle(), &[None, ISOTROPIC]);
 }
 
-/// A side that carries more than the level curve beside it can was compressed on instead of unloading: the bar gained up to 30 % of all
-/// energy, at any resolution.
+/// A side with more stress than the level curve beside it can carry must unload, and not be compressed further: otherwise, the bar gains up to 30 %
+/// of all energy, at any resolution.
 #[test]
 fn a_joint_beside_a_curve_that_falls_to_nothing_gives_no_energy() {
     let material = |rows: &[(f64, f64)]| common::material(rows, Beyond::Rupture);

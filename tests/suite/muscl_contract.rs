@@ -1,5 +1,5 @@
-//! What must hold for the conservative scheme whatever it is asked: books, symmetry, the same bits on any number of
-//! threads, and no energy from nowhere.
+//! Properties of the conservative scheme for any scene: energy balance, symmetry, the same bits on any number of threads, and no energy from
+//! nothing.
 
 use crate::common;
 use crate::common::muscl;
@@ -27,8 +27,8 @@ fn bar_of(cells: usize, ends: [EndCondition; 2], velocity: f64, hardening: Optio
     muscl::muscl(vec![segment], ends, hardening, cells, cfl)
 }
 
-/// What the scheme takes is positive in all but for this part of the energy: at an end that is moved to and fro over some
-/// ten cells, errors of second order have either sign.
+/// Largest energy that the scheme may add, relative to the total: at an end that is moved to and fro over some ten cells, errors of second order have
+/// either sign.
 const GIVEN: f64 = 5e-3;
 
 #[test]
@@ -60,7 +60,7 @@ fn the_ledger_closes_for_every_pair_of_ends() {
     }
 }
 
-/// Energy of the body at the left end, J: of motion for a striker, stored for a spring.
+/// Returns the energy of the body at the left end, J: kinetic for a striker, elastic for a spring.
 fn body_energy(bar: &Muscl, end: &EndCondition) -> f64 {
     match *end {
         EndCondition::Striker { mass, .. } => 0.5 * mass * bar.striker_velocities()[0].expect("a striker").powi(2),
@@ -72,7 +72,7 @@ fn body_energy(bar: &Muscl, end: &EndCondition) -> f64 {
     }
 }
 
-/// Energy of a body at an end and the work of that end are one account.
+/// The energy of a body at an end and the work of that end balance.
 #[test]
 fn what_a_body_loses_the_bar_gets() {
     for end in [
@@ -92,7 +92,7 @@ fn what_a_body_loses_the_bar_gets() {
     }
 }
 
-/// Two segments that meet in a joint, and what they look like from behind.
+/// Returns two segments with a joint, or their mirror image.
 fn two(joint: Joint, mirror: bool, hardening: Option<HardeningRule>) -> Muscl {
     let sense = if mirror { -1.0 } else { 1.0 };
     let struck = Segment::new(0.6, 1.5, common::power_law_steel()).with_velocity(20.0 * sense).with_joint(joint);
@@ -148,7 +148,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     assert!(run(1) == run(3));
 }
 
-/// Energy that the scheme takes from a smooth loading wave, relative.
+/// Returns the relative energy that the scheme dissipates in a smooth loading wave.
 fn taken(cells: usize) -> f64 {
     let rows: Vec<(f64, f64)> = (0..=2000)
         .map(|k| f64::from(k) / 2000.0)
@@ -165,13 +165,13 @@ fn what_the_scheme_takes_from_smooth_flow_vanishes_with_order() {
     let taken = [200, 400, 800].map(taken);
     let orders = [(taken[0] / taken[1]).log2(), (taken[1] / taken[2]).log2()];
     println!("taken {taken:?} orders {orders:?}");
-    // The fourth derivative of the pulse times the cell cubed, but for its crest and feet.
+    // Fourth derivative of the pulse times the cube of the cell size, except at its crest and feet.
     assert!(taken.iter().all(|&t| t > 0.0) && taken[2] < 2e-5, "{taken:?}");
     assert!(orders.iter().all(|&o| o > 2.3), "{orders:?}");
 }
 
-/// The four cases of a rigid mass on a bar that is free at its far end: `m (1 - exp(-2/m)) - exp(-2/m)` of the velocity of
-/// impact is what the mass keeps, as e = `V_bar` - `V_mass`.
+/// Four cases of a rigid mass on a bar with a free far end. Relative to the impact velocity, e = `V_bar` - `V_mass` is `m (1 - exp(-2/m)) -
+/// exp(-2/m)`.
 #[test]
 fn a_striker_leaves_a_free_bar_as_theory_says() {
     for m in [0.5_f64, 1.0, 3.0] {
@@ -197,14 +197,14 @@ fn a_bar_at_rest_stays_at_rest_and_carries_no_state() {
         assert!(muscl::profile(&bar, Quantity::Velocity).iter().all(|v| *v == 0.0));
         assert_eq!(bar.state_bytes(), 0);
     }
-    // Two elastic waves on top of each other stay below yield, and so without state.
+    // Two superposed elastic waves remain below yield, and so need no state variables.
     let mut bar = bar_of(600, [common::moved(2.0), EndCondition::Fixed], 0.0, ISOTROPIC, 1.0);
     (0..1100).for_each(|_| bar.advance());
     assert!(bar.stayed_elastic() && bar.value(Quantity::Stress, 599) < -150e6);
     assert_eq!(bar.state_bytes(), 0);
 }
 
-/// Scenes with such laws are refused; the scheme itself has room for the state of any law.
+/// Scenes with such laws are refused; the scheme itself supports any number of state variables.
 #[test]
 fn a_law_of_more_than_four_state_numbers_is_no_panic() {
     let rate = Some(Rate::Malvern { k: 1e7 });

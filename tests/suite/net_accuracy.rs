@@ -1,4 +1,4 @@
-//! The characteristic net against exact solutions, against the rate-independent solvers, and its observed order.
+//! The characteristic net against exact solutions and against the rate-independent solvers, and its observed order.
 
 use crate::common;
 use crate::common::net;
@@ -21,8 +21,8 @@ fn impedance() -> f64 {
     (MODULUS * DENSITY).sqrt()
 }
 
-/// A history with its ramps made into steps no higher than `increment` (> 0), each in the middle of its part of the ramp, so that the
-/// integral stays the same.
+/// Returns a history whose ramps are replaced by steps no higher than `increment` (> 0), each in the middle of its part of the ramp, so that the
+/// integral is unchanged.
 fn stepped(history: &History, increment: f64) -> History {
     let (t, v) = (history.time(), history.value());
     let mut rows = vec![(t[0], v[0])];
@@ -42,14 +42,13 @@ fn stepped(history: &History, increment: f64) -> History {
     History::new(&rows).expect("rows are right")
 }
 
-/// Stress just behind a front that has come to the border between the cells `cell` and `cell + ahead`: from the two
-/// cells behind it.
+/// Returns the stress just behind a front at the border between the cells `cell` and `cell + ahead`, extrapolated from the two cells behind it.
 fn at_front(net: &Net, cell: usize, ahead: isize) -> f64 {
     let stress = |i: usize| net.value(Quantity::Stress, i);
     1.5 * stress(cell) - 0.5 * stress(cell.wrapping_add_signed(-ahead))
 }
 
-/// Largest relative error of the decaying precursor in a 1 m bar struck at its left end, on all its way.
+/// Returns the largest relative error of the decaying precursor in a 1 m bar struck at its left end, along its whole path.
 fn precursor_error(material: &Material, velocity: f64, k: f64, cells: usize) -> f64 {
     let ends = [moved(velocity), EndCondition::Free];
     let mut bar = net::malvern(vec![segment(material.clone(), 1.0)], ends, k, cells);
@@ -72,7 +71,7 @@ fn the_elastic_precursor_decays_as_theory_says() {
         for decay in [1.0, 3.0] {
             let k = decay * 2.0 * c0();
             let [coarse, fine] = [500, 1000].map(|cells| precursor_error(&material, velocity, k, cells));
-            // The error of a second-order net, (k dt)^2/8 a step and k L/c0 steps a relaxation time: 1.4e-6 at k L/(2 c0) = 3.
+            // Error of a second-order net: (k dt)^2/8 per step, and k L/c0 steps per relaxation time; 1.4e-6 at k L/(2 c0) = 3.
             assert!(fine < 3e-6, "decay {decay}: {fine:e}");
             assert!(coarse / fine > 3.9, "decay {decay}: order {}", (coarse / fine).log2());
         }
@@ -81,8 +80,8 @@ fn the_elastic_precursor_decays_as_theory_says() {
 
 #[test]
 fn a_precursor_from_the_right_that_was_reflected_goes_on_decaying() {
-    // A fixed end doubles the overstress behind the front and leaves its decay as it is: between the ends, from state
-    // (sigma, v) behind the arriving front to (2 sigma + ..., 0), one characteristic arrives and one leaves.
+    // A fixed end doubles the overstress behind the front and does not change its decay: between the ends, from the state (sigma, v) behind the
+    // arriving front to (2 sigma + ..., 0), one characteristic arrives and one leaves.
     let (cells, k, velocity) = (2000, 2.0 * c0(), -4.5);
     let mut bar = net::malvern(vec![segment(bilinear_steel(), 1.0)], [EndCondition::Fixed, moved(velocity)], k, cells);
     let elastic = impedance() * velocity.abs();
@@ -100,7 +99,7 @@ fn a_precursor_from_the_right_that_was_reflected_goes_on_decaying() {
     assert!(worst < 1e-6, "{worst:e}");
 }
 
-/// An end that gets to `peak` within `rise`, with a continuous second derivative.
+/// Returns an end whose velocity rises to `peak` within `rise`, with a continuous second derivative.
 fn smooth_start(peak: f64, rise: f64) -> EndCondition {
     let row = |k: i32| {
         let u = f64::from(k) / 20_000.0;
@@ -109,8 +108,8 @@ fn smooth_start(peak: f64, rise: f64) -> EndCondition {
     moved_by(&(0..=20_000).map(row).collect::<Vec<_>>())
 }
 
-/// Relative L1 and maximum error of stress against the finest of the nets, each of which has an odd number of times the
-/// cells of the one before, so that cell centres fall on cell centres.
+/// Returns the relative L1 and maximum errors of stress against the finest net. Each net has an odd multiple of the cells of the one before, so that
+/// cell centres coincide.
 fn errors(run: impl Fn(usize) -> Vec<f64>, cells: &[usize]) -> Vec<[f64; 2]> {
     let (finest, coarser) = cells.split_last().expect("several nets");
     let reference = run(*finest);
@@ -132,7 +131,7 @@ fn errors(run: impl Fn(usize) -> Vec<f64>, cells: &[usize]) -> Vec<[f64; 2]> {
 
 #[test]
 fn the_order_is_two_where_the_solution_is_smooth() {
-    // No elastic limit: smooth everywhere. The others have a kink where the wave first yields, and at every knot.
+    // Without an elastic limit, the solution is smooth everywhere. The others have a kink where the wave first yields, and at every knot.
     let mut solid = common::material(&[(0.01, 1e9)], Beyond::Extend);
     solid.modulus = MODULUS;
     let malvern = Overstress::Malvern { k: 2e4 };
@@ -159,14 +158,14 @@ fn the_order_is_two_where_the_solution_is_smooth() {
                 "{name}, {kind}: {:.2e} {:.2e} {:.2e}, orders {orders:.2?}",
                 coarse[norm], middle[norm], fine[norm]
             );
-            // Two, less what kinks cost in the maximum norm on these grids.
+            // Two, reduced by the effect of kinks on the maximum norm on these grids.
             let least = if norm == 0 { 1.9 } else { 1.75 };
             assert!(orders.iter().all(|o| *o > least && *o < 2.4), "{name}, {kind}: {orders:?}");
         }
     }
 }
 
-/// Relative L1 difference of stress between a net and front tracking of the same bar without rate effect.
+/// Returns the relative L1 difference of stress between a net and front tracking of the same bar without rate effect.
 fn from_rate_independent(material: &Material, end: &EndCondition, k: f64, cells: usize) -> f64 {
     let segments = || vec![segment(material.clone(), 1.0)];
     let mut bar = net::malvern(segments(), [end.clone(), EndCondition::Free], k, cells);
@@ -192,8 +191,8 @@ fn from_rate_independent(material: &Material, end: &EndCondition, k: f64, cells:
 
 #[test]
 fn quick_flow_tends_to_the_rate_independent_bar() {
-    // A jump of stress on a straight part of the curve spreads like heat, over a width of sqrt(t/k); a ramp has only its
-    // kinks rounded, by 1/k. The net resolves this here (k dt = 0.2 and 0.4).
+    // A jump of stress on a straight part of the curve diffuses over a width of sqrt(t/k); only the kinks of a ramp are rounded, by 1/k. The net
+    // resolves this here (k dt = 0.2 and 0.4).
     let jump = moved(20.0);
     let ramp = moved_by(&[(0.0, 0.0), (0.5 / c0(), 20.0)]);
     for (name, material, end, order) in [
@@ -205,7 +204,7 @@ fn quick_flow_tends_to_the_rate_independent_bar() {
         let near = from_rate_independent(&material, end, 8e6, 4000);
         let observed = (far / near).log2() / 2.0;
         println!("{name}: {far:.2e} at k = 2e6/s, {near:.2e} at 8e6/s, order {observed:.2}");
-        // Within 0.15: where fronts of a fan lie close together they are not yet apart at these k.
+        // Within 0.15: where the fronts of a fan are close together, they are not yet separate at these k.
         assert!((observed - order).abs() < 0.15, "{name}: {observed}");
     }
 }
@@ -215,16 +214,16 @@ fn infinitely_quick_flow_converges_to_the_rate_independent_bar() {
     for (name, material) in [("bilinear", bilinear_steel()), ("10 knots", power_law_table(10))] {
         let [coarse, fine] = [1000, 4000].map(|n| from_rate_independent(&material, &moved(20.0), 1e20, n));
         println!("{name}: {coarse:.2e} with 1000 cells, {fine:.2e} with 4000");
-        // Half order at jumps on straight parts of a curve, as for any monotone scheme of first order: 0.5; a little more
-        // where jumps lie closer together than the coarse net keeps apart.
+        // Half order at jumps on straight parts of a curve, as for any monotone scheme of first order: 0.5; a little more where jumps are closer
+        // together than the coarse net can resolve.
         assert!(fine < 0.6 * coarse && fine < 6e-3, "{name}: {coarse:e} {fine:e}");
     }
 }
 
 #[test]
 fn a_rigid_mass_strikes_an_elastic_bar_as_theory_says() {
-    // Mass m times that of the bar, free far end: its velocity falls by exp(-c0 t/(m L)) until the reflected wave takes the
-    // load off at 2 L/c0; it then flies on with exp(-2/m) of its velocity.
+    // Mass of m times that of the bar, free far end: its velocity decreases as exp(-c0 t/(m L)) until the reflected wave removes the load at 2 L/c0;
+    // then it moves on with exp(-2/m) of its velocity.
     for m in [0.5, 2.0] {
         let error = |cells: usize| {
             let mass = m * DENSITY;
@@ -238,14 +237,14 @@ fn a_rigid_mass_strikes_an_elastic_bar_as_theory_says() {
             (half_way / expected(1.0) - 1.0).abs().max((after / expected(2.0) - 1.0).abs())
         };
         let [coarse, fine] = [100, 200].map(error);
-        // The mass's weight makes its exponential exact, at any step.
+        // The integration weights of the mass make its exponential decay exact, with any step.
         assert!(coarse.max(fine) < 1e-13, "m = {m}: {coarse:e} {fine:e}");
     }
 }
 
 #[test]
 fn a_spring_reflects_an_elastic_wave_as_theory_says() {
-    // A step of stress s against a spring k: the end's stress goes from 0 (free) to 2 s (fixed) as 1 - exp(-k t/(A Z)).
+    // A step of stress s arrives at a spring k: the stress of the end changes from 0 (free) to 2 s (fixed) as 1 - exp(-k t/(A Z)).
     let stiffness = 5.0 * impedance() * c0();
     let error = |cells: usize| {
         let ends = [moved(3.0), EndCondition::Spring { stiffness }];
@@ -260,7 +259,7 @@ fn a_spring_reflects_an_elastic_wave_as_theory_says() {
 
 #[test]
 fn a_short_elastic_bar_strikes_a_long_one_as_theory_says() {
-    // They touch for 2 L_short/c0; the short bar is then at rest, and the long one has its momentum.
+    // The contact lasts 2 L_short/c0; then the short bar is at rest, and the long one has its momentum.
     let (short, long) = (0.25, 0.75);
     let part = |length: f64, velocity: f64| {
         segment(common::elastic_steel(), length).with_velocity(velocity).with_joint(Joint::Contact { gap: 0.0 })
@@ -275,12 +274,12 @@ fn a_short_elastic_bar_strikes_a_long_one_as_theory_says() {
     for (time, short_velocity) in [(0.25, 2.0), (0.499, 0.008), (0.501, 0.0), (1.2, 0.0), (3.7, 0.0)] {
         net::advance_to(&mut bar, time / c0());
         let found = mean(&bar, 0..100);
-        // Within one step of the times named, exact up to rounding.
+        // Within one step of the stated times, exact to rounding.
         assert!((found - short_velocity).abs() < 0.025, "t = {time} L/c0: {found}");
     }
     assert!(mean(&bar, 0..100).abs() < 1e-12);
     assert!((mean(&bar, 100..400) - 4.0 * short / long).abs() < 1e-12);
-    // The velocities change in proportion to the time until 0.5 L/c0, and then no more.
+    // The displacements increase linearly until 0.5 L/c0, and are constant afterwards.
     let displacements = bar.displacements();
     let mean = |cells: std::ops::Range<usize>| displacements[cells.clone()].iter().sum::<f64>() / cells.len() as f64;
     for (cells, expected) in [(0..100, 2.0 * 0.5), (100..400, 4.0 / 3.0 * (0.25 + 3.2))] {
@@ -369,7 +368,7 @@ fn all_ends_and_joints_agree_with_leapfrog_where_flow_is_infinitely_quick() {
         };
         let [coarse, fine] = [300, 2400].map(difference);
         println!("{}: {coarse:.2e} with 300 cells, {fine:.2e} with 2400", case.name);
-        // Eight times the cells: a factor 2.8 at half order, fronts of strain being jumps; and 6 % at most.
+        // Eight times the cells: a factor of 2.8 at half order, since fronts of strain are jumps; and 6 % at most.
         assert!(fine < 0.45 * coarse && fine < 0.06, "{}: {coarse:e} {fine:e}", case.name);
     }
 }

@@ -1,4 +1,4 @@
-//! What must hold on the characteristic net whatever the bar: limits, symmetries, balance.
+//! Properties of the characteristic net for any bar: limits, symmetries, balances.
 
 use crate::common;
 use crate::common::net;
@@ -25,7 +25,7 @@ fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-/// Two pieces of unlike section, pulled and released.
+/// Returns two pieces of different sections, which are pulled and released.
 fn stepped_bar(material: &Material) -> Vec<Segment> {
     vec![Segment::new(0.5, 2.0, material.clone()), segment(material.clone(), 0.5)]
 }
@@ -38,7 +38,7 @@ fn pulse(velocity: f64) -> EndCondition {
 #[test]
 fn slow_flow_leaves_the_elastic_bar_bit_for_bit() {
     let ends = || [pulse(25.0), EndCondition::Wall { gap: 1e-5 }];
-    // So slow that nothing flows within a step that a number could hold.
+    // So slow that no representable flow occurs within a step.
     let mut slow = net::malvern(stepped_bar(&bilinear_steel()), ends(), 1e-320, 300);
     let mut elastic = net::malvern(stepped_bar(&elastic_steel()), ends(), 1e6, 300);
     for _ in 0..1500 {
@@ -75,8 +75,8 @@ fn an_elastic_wave_is_exact_through_all_its_reflections() {
 #[test]
 fn no_flow_rate_rings_or_blows_up() {
     let dt = 1.0 / c0() / 400.0;
-    // Behind the front nothing but growing compression towards the struck end. On a straight part of the curve the net
-    // keeps to that up to rounding; at a knot two neighbours turn in different steps, which shows as 1e-6 at most.
+    // Behind the front, compression only increases towards the struck end. On a straight part of the curve the net satisfies this to rounding; at a
+    // knot, two neighbours change slope in different steps, which gives 1e-6 at most.
     for (material, ripple) in [(bilinear_steel(), 1e-12), (power_law_table(30), 2e-6)] {
         for exponent in -6..=12 {
             let k = 10.0_f64.powi(exponent) / dt;
@@ -103,7 +103,7 @@ fn unloading_is_elastic() {
     let mut unloaded = 0;
     let mut before: Vec<_> = QUANTITIES.map(|q| net::profile(&bar, q)).to_vec();
     for _ in 0..400 {
-        // Below the static stress before and after a step, a cell flows in neither half of it.
+        // If a cell is below the static stress before and after a step, it flows in neither half of it.
         let idle = |bar: &Net| -> Vec<bool> {
             let below = |i| bar.value(Quantity::Stress, i).abs() < bar.static_stress(i).abs();
             (0..200).map(below).collect()
@@ -209,7 +209,7 @@ fn overstress() -> impl Strategy<Value = Overstress> {
     ]
 }
 
-/// Slopes may rise and fall along the curve, up to the elastic one.
+/// Slopes may increase and decrease along the curve, up to the elastic one.
 fn curves() -> impl Strategy<Value = Vec<(f64, f64)>> {
     prop::collection::vec(((-4.5..-2.0_f64).prop_map(|e| 10.0_f64.powf(e)), 0.0..1.0_f64), 1..9)
 }
@@ -309,8 +309,8 @@ proptest! {
         let flow = law.flow(NodeStep { excess, share, smooth: 0.0, time }, sense, &mut history);
         let stress = sign * (YIELD + excess) - share * flow.plastic;
         let limit = law.limits(&history)[1 - sense];
-        // The flow is found to 1e-13 of itself, and the static stress follows it along the curve, which may rise a thousand times as steeply
-        // as the elastic line.
+        // The flow is solved to 1e-13 relative, and the static stress follows it along the curve, whose slope may be a thousand times the elastic
+        // one.
         let start = barwave::law::rate::History::default();
         let before = law.limits(&law.flowed((1.0 - 1e-13) * flow.plastic, &start))[1 - sense];
         let round_off = 1e-13 * (YIELD + excess + history.accumulated) + (limit - before).abs();

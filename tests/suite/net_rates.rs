@@ -1,4 +1,4 @@
-//! The overstress of a bar that is strained steadily, on the characteristic net: that of its strain rate, whatever the step.
+//! The overstress of a steadily strained bar on the characteristic net is that of its strain rate for any step.
 
 use crate::common;
 use crate::common::net;
@@ -25,14 +25,14 @@ fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-/// With a slope of the static stress over the plastic strain, Pa.
+/// Returns a material with this slope of the static stress against the plastic strain, Pa.
 fn material(hardening: f64) -> Material {
     let (strain, stress) = (3.0, YIELD + 3.0 * hardening);
     let rows = [(YIELD / MODULUS, YIELD), (strain + stress / MODULUS, stress.max(YIELD * (1.0 + 1e-12)))];
     common::material(&rows, Beyond::Extend)
 }
 
-/// How a bar is pulled apart: strain rate (1/s), strain in a time step, and the cells of its segments.
+/// Pull of a bar: strain rate (1/s), strain per time step, and the cells of its segments.
 #[derive(Debug, Clone, Copy)]
 struct Pull<'a> {
     rate: f64,
@@ -40,7 +40,7 @@ struct Pull<'a> {
     cells: &'a [usize],
 }
 
-/// The bar after 40 to 4000 steps, at a strain of 0.4 where that lies between. Its account is closed.
+/// Returns the bar after 40 to 4000 steps, at a strain of 0.4 if possible. Its balances are checked.
 fn pulled(law: Overstress, hardening: f64, pull: Pull<'_>) -> Net {
     let dx = c0() * pull.strain_of_step / pull.rate;
     let segments = pull.cells.iter().map(|&cells| segment(material(hardening), cells as f64 * dx)).collect();
@@ -56,7 +56,7 @@ fn pulled(law: Overstress, hardening: f64, pull: Pull<'_>) -> Net {
     bar
 }
 
-/// Overstress of cells over their static stress.
+/// Returns the overstress of the cells relative to their static stress.
 fn overstress(bar: &Net) -> Vec<f64> {
     let of = |cell| bar.value(Quantity::Stress, cell) / bar.static_stress(cell) - 1.0;
     (0..bar.grid().cells()).map(of).collect()
@@ -84,7 +84,7 @@ fn the_overstress_is_that_of_the_strain_rate_whatever_the_step() {
                 let off = [largest(overstress(&bar), exact), largest(ends, exact)];
                 worst = [0, 1].map(|k| off[k].max(worst[k]));
                 assert!(off[0] < 2e-3, "{law:?} {pull:?}: {off:?}");
-                // By Malvern's law the net diffuses where steps do not resolve the relaxation.
+                // With Malvern's law, the net is diffusive where steps do not resolve the relaxation.
                 assert!(off[1] < 2e-3 || matches!(law, Overstress::Malvern { .. }), "{law:?} {pull:?}: {off:?}");
             }
         }
@@ -92,7 +92,7 @@ fn the_overstress_is_that_of_the_strain_rate_whatever_the_step() {
     }
 }
 
-/// The case for which a node that relaxes from the stress on arrival gave 0.090 and 0.092, and 0.103 and 0.326 at the ends.
+/// A node that relaxed from the stress on arrival would give 0.090 and 0.092, and 0.103 and 0.326 at the ends.
 #[test]
 fn johnson_cook_has_its_logarithm_in_millimetre_cells() {
     let law = Overstress::JohnsonCook { c: 0.014, rate: MODULUS };
@@ -104,7 +104,7 @@ fn johnson_cook_has_its_logarithm_in_millimetre_cells() {
     }
 }
 
-/// A bonded joint of two pieces of one bar is no place of its own.
+/// A bonded joint of two pieces of the same bar does not change the solution.
 #[test]
 fn a_joint_flows_at_the_strain_rate_too() {
     for law in LAWS {
@@ -115,12 +115,12 @@ fn a_joint_flows_at_the_strain_rate_too() {
             worst = worst.max(off);
         }
         println!("{law:?}: beside a joint off by {worst:.1e} of the stress");
-        // The sides of a joint relax with half the share of a node: another theta where the step is the relaxation time.
+        // The sides of a joint relax with half the weight of a node: another theta where the step equals the relaxation time.
         assert!(worst < 1e-2, "{law:?}: {worst:e}");
     }
 }
 
-/// What the first steps leave of plastic strain differs from cell to cell, and with it the rate: that of each cell's own flow.
+/// The plastic strain of the first steps, and with it the rate, varies from cell to cell: the overstress is that of the flow of each cell.
 #[test]
 fn the_overstress_of_a_bar_that_hardens_is_that_of_its_flow() {
     for law in LAWS {
@@ -137,13 +137,13 @@ fn the_overstress_of_a_bar_that_hardens_is_that_of_its_flow() {
             }
         }
         println!("{law:?}, hardening: off by {worst:.1e} of the stress");
-        // The largest step raises the static stress by a twentieth.
+        // The largest step increases the static stress by a twentieth.
         assert!(worst < 1e-2, "{law:?}: {worst:e}");
     }
 }
 
-/// A jump on a net that does not resolve the relaxation at all: compression that grows towards the struck end, less what the rule of
-/// the trapezium leaves of the jump.
+/// A jump on a net that does not resolve the relaxation at all: the compression increases towards the struck end, except for the error of the
+/// trapezoidal rule at the jump.
 #[test]
 fn an_impact_does_not_ring_by_laws_of_low_sensitivity() {
     for law in &LAWS[1..] {

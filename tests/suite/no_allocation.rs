@@ -1,4 +1,4 @@
-//! Stepping allocates nothing, and an effect that is off costs no memory.
+//! Stepping allocates no memory, and a disabled effect needs none.
 #![allow(unsafe_code, reason = "a global allocator that counts")]
 
 use crate::common::{self, long_bars, muscl, net};
@@ -13,7 +13,7 @@ use barwave::solver::fd::{DistributedForces, Grid, Leapfrog, Quantity};
 use barwave::solver::moc::{FrontTracking, Settings, Stopped};
 use barwave::wave::riemann::Flow;
 
-/// The system's allocator with a count of calls on each thread, since tests run side by side.
+/// The system allocator with a count of the calls on each thread, since tests run in parallel.
 struct Counting;
 
 thread_local! {
@@ -24,28 +24,28 @@ fn count() {
     CALLS.with(|calls| calls.set(calls.get() + 1));
 }
 
-// SAFETY: every call is passed on to the system's allocator as it came.
+// SAFETY: every call is passed unchanged to the system allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
-        // SAFETY: as the caller promises.
+        // SAFETY: as guaranteed by the caller.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as the caller promises.
+        // SAFETY: as guaranteed by the caller.
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         count();
-        // SAFETY: as the caller promises.
+        // SAFETY: as guaranteed by the caller.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count();
-        // SAFETY: as the caller promises.
+        // SAFETY: as guaranteed by the caller.
         unsafe { System.realloc(pointer, layout, size) }
     }
 }
@@ -53,14 +53,14 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations during some steps.
+/// Returns the number of allocations during some steps.
 fn allocations(bar: &mut Leapfrog, steps: usize) -> usize {
     let before = CALLS.with(Cell::get);
     common::advance(bar, steps);
     CALLS.with(Cell::get) - before
 }
 
-/// 5000 cells, ten blocks, struck at its left end.
+/// Returns a bar of 5000 cells in ten blocks, struck at its left end.
 fn struck(velocity: f64, hardening: Option<HardeningRule>) -> Leapfrog {
     let ends = [common::moved(velocity), EndCondition::Fixed];
     common::leapfrog(vec![common::segment(common::bilinear_steel(), 1.0)], ends, hardening, 5000, 1.0)
@@ -76,7 +76,7 @@ fn the_counter_counts() {
 #[test]
 fn an_elastic_run_allocates_nothing_and_carries_no_state() {
     for hardening in [None, Some(HardeningRule::Isotropic), Some(HardeningRule::Kinematic)] {
-        // 2 m/s is 79 MPa, twice that after the reflection: below yield at 200 MPa.
+        // 2 m/s corresponds to 79 MPa, and twice that after the reflection: below yield at 200 MPa.
         let mut bar = struck(2.0, hardening);
         assert_eq!(allocations(&mut bar, 7000), 0);
         assert!(bar.stayed_elastic() && bar.value(Quantity::Stress, 4999) < -100e6);
@@ -94,13 +94,13 @@ fn a_plastic_run_allocates_nothing_once_every_block_has_yielded() {
     ] {
         let mut bar = struck(20.0, hardening);
         assert!(allocations(&mut bar, 6000) > 0);
-        // State of all cells, and not a number more than the law has.
+        // The state variables of all cells, and nothing more.
         assert_eq!(bar.state_bytes(), 8 * numbers * 5000);
         assert_eq!(allocations(&mut bar, 2000), 0);
     }
 }
 
-/// Where something acts along the bar: nothing in a step, and as many bytes a cell as `plan` says.
+/// With distributed forces, a step allocates nothing, and the memory per cell is that stated by `plan`.
 #[test]
 fn damping_and_lateral_inertia_allocate_nothing_and_cost_what_is_said() {
     let along = DistributedForces {
@@ -118,7 +118,7 @@ fn damping_and_lateral_inertia_allocate_nothing_and_cost_what_is_said() {
         let mut bar = Leapfrog::with_along(&bar, grid, laws, [common::moved(velocity), EndCondition::Fixed], &along);
         common::advance(&mut bar, 6000);
         assert_eq!(allocations(&mut bar, 2000), 0);
-        // A node more than cells, and the few that follow the ends.
+        // There is one node more than cells, and a few that belong to the ends.
         let all = bar.state_bytes();
         assert!(all >= bytes * 5000 && all < bytes * 5000 + spare * 8, "{all} for {bytes} a cell");
     }
@@ -138,7 +138,7 @@ fn muscl_allocates_nothing_once_every_block_has_yielded() {
             (CALLS.with(Cell::get) - before, bar.stayed_elastic())
         };
         assert_eq!(run(2.0, 0, 1500), (0, true));
-        // The first Riemann problem of a block that is not simple makes room for its paths.
+        // The first Riemann problem of a block that is not simple allocates space for its paths.
         assert_eq!(run(20.0, 4000, 2000), (0, false));
     }
 }
@@ -165,12 +165,12 @@ fn only_yielded_blocks_carry_state() {
     assert_eq!(bar.state_bytes(), 8 * 2 * 256);
 }
 
-/// Nodes, free places, meetings, steps of the ends, and what thinning works with are kept in 17 lists, which double when
-/// they are full. Seven doublings of each are a warm run of some hundred fronts that grows to the largest there is here.
+/// Nodes, free slots, interactions, steps of the ends and working arrays of merging are in 17 lists, which double when they are full. Seven doublings
+/// of each take a warmed-up run of some hundred fronts to the largest one here.
 const DOUBLINGS: usize = 17 * 7;
 
-/// Follows a tracked bar to `warm`, and from there to `until` (s) or to the end of its events; few allocations for many
-/// events are asked for.
+/// Advances a tracked bar to `warm`, and from there to `until` (s) or to its event limit, and checks that the number of allocations is small compared
+/// with the number of events.
 #[track_caller]
 fn assert_none_for_an_event(mut bar: FrontTracking, warm: f64, until: f64, name: &str) {
     bar.advance_to(warm).expect("few events");

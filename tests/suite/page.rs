@@ -1,5 +1,5 @@
-//! The HTML page of a result: what a phone, a dark screen, a printer and a screen reader need, and the data of its time slider.
-// A test that meets an error is to fail there.
+//! The HTML page of a result: requirements of phones, dark mode, printers and screen readers, and the data of its time slider.
+// Tests panic at the first unexpected error.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
@@ -41,7 +41,7 @@ fn a_page_suits_phones_dark_screens_printers_and_screen_readers() {
     let drawings = page.matches("<svg ").count();
     assert!(drawings > 6, "{drawings}");
     assert_eq!(page.matches("<svg role=\"img\" aria-label=\"").count(), drawings);
-    // Every table can scroll by itself.
+    // Every table can be scrolled separately.
     assert_eq!(page.matches("<table").count(), page.matches("<div class=\"wide\"").count());
     for loaded in [" src=", "@import", "url(http", "fetch(", "<link"] {
         assert!(!page.contains(loaded), "{loaded}");
@@ -74,7 +74,7 @@ fn there_is_a_slider_where_there_are_profiles() {
         drop(start(&path, frames, 1e8));
         assert_eq!(has_slider(&of(&path)), expected, "{frames} frames");
     }
-    // A beam has deflected shapes, spheres have histories only.
+    // A beam has deflected shapes, spheres only have histories.
     for (scene, expected) in [("beam", true), ("spheres", false)] {
         let scene = format!("{}/runs/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
         binary::done(folder.path(), &["run", &scene, "-o", "impact.h5", "--quiet"]);
@@ -82,12 +82,12 @@ fn there_is_a_slider_where_there_are_profiles() {
     }
 }
 
-/// Of stress: a number of its own for each frame and place.
+/// Returns a stress that is different for each frame and position.
 fn stress(frame: usize, place: usize) -> f64 {
     1e6 * (frame as f64 + 1e-3 * place as f64)
 }
 
-/// A run of so many frames and places.
+/// Writes a run with these numbers of frames and positions.
 fn written(path: &Path, frames: usize, places: usize) {
     let mut layout = layout(vec![Field::Stress]);
     layout.x = (0..places).map(|i| (i as f64 + 0.5) / places as f64).collect();
@@ -98,7 +98,7 @@ fn written(path: &Path, frames: usize, places: usize) {
     }
 }
 
-/// Binary32 numbers in base64.
+/// Returns the binary32 numbers of a base64 text.
 fn numbers(text: &str) -> Vec<f32> {
     let sextet = |c: u8| match c {
         b'A'..=b'Z' => c - b'A',
@@ -115,7 +115,7 @@ fn numbers(text: &str) -> Vec<f32> {
     bytes.chunks_exact(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
 }
 
-/// Times, places and values of the slider.
+/// Returns the times, positions and values of the slider.
 fn embedded(page: &str) -> [Vec<f32>; 3] {
     let (_, rest) = page.split_once("<script type=\"application/json\">").unwrap();
     let data: serde_json::Value = serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap();
@@ -159,7 +159,7 @@ fn what_is_not_a_number_is_a_gap_and_no_text() {
     assert!(!page.split_once("</script>").unwrap().0.contains("NaN"));
 }
 
-/// Numbers in the rows of a table of a page, found by its label; not a number where there is a text.
+/// Returns the heading and the numbers in the rows of a table of a page with this label; NaN for a text.
 fn table_of(page: &str, label: &str) -> (Vec<String>, Vec<Vec<String>>) {
     let (_, rest) = page.split_once(&format!("aria-label=\"{label}\">")).unwrap();
     let table = rest.split_once("</table>").unwrap().0;
@@ -172,13 +172,13 @@ fn table_of(page: &str, label: &str) -> (Vec<String>, Vec<Vec<String>>) {
     (head, rows.collect())
 }
 
-/// A number of a table with the four digits that it shows.
+/// Checks that a cell of a table shows the four digits of a number.
 fn assert_shows(cell: &str, value: f64) {
     let shown: f64 = cell.replace('\u{2212}', "-").parse().unwrap();
     assert!((shown - value).abs() <= 6e-4 * value.abs(), "{cell}: {value}");
 }
 
-/// Pages of bars had neither the figures nor the ruptures.
+/// Pages of bars show the figures and the ruptures.
 #[test]
 fn a_page_has_the_figures_and_the_ruptures_of_a_bar() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What must hold for any bar, table, end and history: drawn at random, from the same seed on every run.
+//! Properties of any bar, table, end and history, which are random but the same in every run.
 
 use crate::common;
 use crate::common::muscl;
@@ -15,19 +15,19 @@ use proptest::test_runner::RngSeed;
 
 const STEPS: usize = 360;
 
-/// As many cases as a few seconds allow. The seed is fixed, so that a failure comes back.
+/// As many cases as a few seconds allow, with a fixed seed, so that failures are reproducible.
 fn settings() -> ProptestConfig {
     ProptestConfig { cases: 4000, rng_seed: RngSeed::Fixed(20), failure_persistence: None, ..ProptestConfig::default() }
 }
 
-/// What slopes a table has past its elastic part, as shares of the modulus.
+/// Slopes of a table beyond its elastic part, relative to the modulus.
 #[derive(Debug, Clone, Copy)]
 enum Shape {
-    /// Falling slopes.
+    /// Decreasing slopes.
     Concave,
-    /// Slopes in any order, up to the modulus itself: lock-up.
+    /// Slopes in any order, up to the modulus: lock-up.
     Stiffening,
-    /// Slopes below zero too: yield drops and necking.
+    /// Slopes that may be negative: yield drops and necking.
     Softening,
 }
 
@@ -45,7 +45,7 @@ fn slopes(shape: Shape) -> BoxedStrategy<Vec<f64>> {
     }
 }
 
-/// A table: elastic up to 50 to 400 MPa, then pieces of 2e-5 to 2e-2 of strain.
+/// Returns a table that is elastic up to 50 to 400 MPa, followed by segments of 2e-5 to 2e-2 of strain.
 fn material() -> impl Strategy<Value = Material> {
     let shape = prop_oneof![Just(Shape::Concave), Just(Shape::Stiffening), Just(Shape::Softening)];
     let pieces = shape.prop_flat_map(slopes).prop_flat_map(|slopes| {
@@ -60,7 +60,7 @@ fn material() -> impl Strategy<Value = Material> {
             rows.push((strain + width, (stress + slope * MODULUS * width).max(0.0)));
         }
         let mut material = common::material(&rows, beyond);
-        // The first slope, which is the steepest but for round-off.
+        // The first slope is the steepest one, to rounding.
         (material.modulus, material.density) = (MODULUS, density);
         material
     })
@@ -76,7 +76,7 @@ fn segments() -> impl Strategy<Value = Vec<Segment>> {
     })
 }
 
-/// Rows up to about the end of the runs, ramps and jumps.
+/// Returns rows up to about the end of the runs, with ramps and jumps.
 fn history(reach: f64) -> impl Strategy<Value = History> {
     prop::collection::vec((0.0..4e-4, -reach..reach, any::<bool>()), 1..6).prop_map(
         |mut rows: Vec<(f64, f64, bool)>| {
@@ -112,21 +112,21 @@ fn hardening() -> impl Strategy<Value = Option<HardeningRule>> {
     ]
 }
 
-/// No stress above the curve (its drops filled) at the strain the cell has come to, and none above its largest value.
+/// Checks that no stress is above the curve (with its drops filled) at the largest strain of the cell, or above its largest value.
 fn assert_below_the_curve(bar: &Leapfrog, segments: &[Segment]) {
     for (part, segment) in bar.grid().segments.iter().zip(segments) {
         let curve = segment.material.branch(Sense::Tension).running_maximum();
         for cell in part.cells.clone() {
             let stress = bar.value(Quantity::Stress, cell).abs();
             let reach = stress / MODULUS + bar.value(Quantity::AccumulatedPlasticStrain, cell);
-            // Round-off of a few hundred steps on E times the strain.
+            // Rounding of a few hundred steps of E times the strain.
             let most = curve.stress_at(reach) + 1e-12 * MODULUS * reach;
             assert!(stress <= most, "cell {cell}: {stress:e} Pa is above {most:e} Pa");
         }
     }
 }
 
-/// Steps the bar and holds it to everything at once.
+/// Steps the bar and checks all properties.
 fn check(segments: &[Segment], ends: [EndCondition; 2], hardening: Option<HardeningRule>, (cells, cfl): (usize, f64)) {
     let mut bar = common::leapfrog(segments.to_vec(), ends, hardening, cells, cfl);
     let mut ledger = Ledger::new(&bar);
@@ -139,7 +139,7 @@ fn check(segments: &[Segment], ends: [EndCondition; 2], hardening: Option<Harden
             row.energies.kinetic.is_finite() && row.energies.momentum.is_finite() && row.energies.plastic.is_finite()
         );
         assert_below_the_curve(&bar, segments);
-        // With a back stress part of the plastic work is stored and can come back; without unloading, all of it.
+        // With a back stress, part of the plastic work is stored and can be returned; if the curve is followed both ways, all of it.
         if hardening == Some(HardeningRule::Isotropic) {
             assert!(
                 row.energies.plastic >= plastic,
@@ -155,14 +155,14 @@ fn check(segments: &[Segment], ends: [EndCondition; 2], hardening: Option<Harden
     }
 }
 
-/// The same for the conservative scheme, which besides takes energy from the motion and gives next to none.
+/// The same for the conservative scheme, which also dissipates kinetic energy, and adds almost none.
 fn check_muscl(
     segments: &[Segment],
     ends: [EndCondition; 2],
     hardening: Option<HardeningRule>,
     (cells, cfl): (usize, f64),
 ) {
-    // Kinematic hardening along a curve that stiffens is not for this scheme.
+    // The scheme does not support kinematic hardening along a curve that stiffens.
     let concave = |s: &Segment| Table::new(&s.material.tension, s.material.modulus).is_concave();
     let refused = !matches!(hardening, None | Some(HardeningRule::Isotropic)) && !segments.iter().all(concave);
     let hardening = if refused { Some(HardeningRule::Isotropic) } else { hardening };
@@ -178,8 +178,8 @@ fn check_muscl(
         );
         let stored = row.energies.kinetic + row.energies.elastic + row.energies.plastic.abs();
         let energy = stored + row.energies.numerical.abs() + row.work_left.abs() + row.work_right.abs();
-        // Bars of a few cells, ends that jump to and fro within some steps: there the scheme may give, too. Along falling curves it gives
-        // more, see `a_curve_that_falls_to_nothing_gains_energy_at_a_joint`.
+        // In bars of a few cells, whose ends jump within some steps, the scheme may add energy, too; more along falling curves, see
+        // `a_curve_that_falls_to_nothing_gains_energy_at_a_joint`.
         assert!(falls || row.energies.numerical >= -0.1 * energy, "{:e} of {energy:e}", row.energies.numerical);
     }
     common::assert_ledger(&ledger, "random bar");

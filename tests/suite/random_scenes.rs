@@ -1,5 +1,5 @@
-//! What must hold for any scene that a user can write: drawn at random over the whole scene language, other ones for every version of
-//! the sources. `BARWAVE_RANDOM_SEED` draws those of another seed, `BARWAVE_RANDOM_SCENES` sets how many scenes there are, and `BARWAVE_RANDOM_SCENE` repeats one scene.
+//! Properties of any scene that a user can write: random scenes over the whole scene language, different ones for every version of the sources.
+//! `BARWAVE_RANDOM_SEED` sets another seed, `BARWAVE_RANDOM_SCENES` the number of scenes, and `BARWAVE_RANDOM_SCENE` repeats one scene.
 #![allow(
     clippy::format_push_string,
     clippy::struct_excessive_bools,
@@ -25,12 +25,12 @@ use checks::{Checked, Failure, check, check_by};
 use draw::Draw;
 use spec::{Method, Spec};
 
-/// Scenes of the ordinary test, some 15 s on two processors, and of the long one.
+/// Number of scenes of the ordinary test, about 15 s on two processors.
 const SCENES: usize = 1000;
 const MANY: usize = 100_000;
-/// Scenes whose loads are compared, on more cells, some 5 s.
+/// Number of scenes whose loads are compared, with more cells, about 5 s.
 const LOADED: usize = 300;
-/// Failing scenes that are simplified and shown.
+/// Number of failing scenes that are simplified and shown.
 const SHOWN: usize = 2;
 const SIMPLIFYING: Duration = Duration::from_secs(6);
 
@@ -39,7 +39,7 @@ fn from_environment(name: &str) -> Option<u64> {
     Some(text.parse().unwrap_or_else(|e| panic!("{name}={text}: {e}")))
 }
 
-/// Of the sources: a version of the program draws the same scenes wherever and whenever it is tested, and the next version others.
+/// Returns a seed from the sources: a version of the program is tested with the same scenes everywhere, and the next version with others.
 fn seed() -> u64 {
     from_environment("BARWAVE_RANDOM_SEED").unwrap_or_else(|| {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -51,7 +51,7 @@ fn seed() -> u64 {
     })
 }
 
-/// Contents of all files below a folder, by their paths.
+/// Returns the contents of all files below a folder, sorted by path.
 fn sources(folder: &Path) -> Vec<u8> {
     let entries = std::fs::read_dir(folder).expect("the sources of the program");
     let mut paths: Vec<_> = entries.map(|entry| entry.expect("an entry of a folder").path()).collect();
@@ -61,7 +61,7 @@ fn sources(folder: &Path) -> Vec<u8> {
     paths.into_iter().flat_map(inside).collect()
 }
 
-/// A failing scene, with the seed that draws it alone.
+/// Failing scene, with the seed that reproduces it alone.
 struct Found {
     seed: u64,
     spec: Spec,
@@ -83,7 +83,7 @@ impl Tally {
         }
         let mut seen = BTreeSet::new();
         for (method, failure) in checked.failures {
-            // A scene counts once for what it does wrong at every look.
+            // A scene counts once for each class of failures, although it may fail at every check.
             let class = format!("{method:?}: {}", failure.class);
             if seen.insert(class.clone()) {
                 *self.failed.entry(class).or_default() += 1;
@@ -92,7 +92,7 @@ impl Tally {
         }
     }
 
-    /// Some of each class.
+    /// Returns some failures of each class.
     fn shown(&self) -> impl Iterator<Item = &Found> {
         let mut shown = BTreeMap::new();
         self.found.iter().filter(move |found| {
@@ -103,10 +103,10 @@ impl Tally {
     }
 }
 
-/// All scenes from one seed, on all processors.
+/// Checks all scenes of one seed, on all processors.
 fn examine(seed: u64, scenes: usize, check: &(dyn Fn(&Spec) -> Checked + Sync)) -> Tally {
     let (next, tally) = (AtomicUsize::new(0), Mutex::new(Tally::default()));
-    // A scene's own seed: neighbouring ones have nothing in common.
+    // The seed of a scene; those of neighbouring scenes are unrelated.
     let first = Draw::new(seed).bits();
     let own = |k: usize| Draw::new(first.wrapping_add(k as u64)).bits();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
@@ -130,7 +130,7 @@ fn examine(seed: u64, scenes: usize, check: &(dyn Fn(&Spec) -> Checked + Sync)) 
     tally.into_inner().expect("no panic while it was held")
 }
 
-/// Failures as they are found, runs that the added energy stops, and how far a long test has come.
+/// Prints failures as they are found, runs stopped because of added energy, and the progress of a long test.
 fn report_progress(scene: usize, scenes: usize, started: Instant, seed: u64, checked: &Checked) {
     for (method, became) in checked.became.iter().filter(|(_, became)| became.word().contains("added energy")) {
         eprintln!("scene {seed} {method:?} {}", became.word());
@@ -143,7 +143,7 @@ fn report_progress(scene: usize, scenes: usize, started: Instant, seed: u64, che
     }
 }
 
-/// The simplest scene that can be made of a failing one within some seconds and fails likewise.
+/// Returns the simplest scene, found within some seconds, that is derived from a failing one and fails in the same way.
 fn simplest(found: &Found) -> (Spec, Failure) {
     let started = Instant::now();
     let fails = |spec: &Spec| {
@@ -173,7 +173,7 @@ fn assert_holds(scenes: usize) {
         println!("BARWAVE_RANDOM_SCENE={seed} {method:?}: {}: {}", failure.class, failure.detail);
     }
     for found in tally.shown() {
-        // What methods disagree on is soon lost on fewer cells and in less time.
+        // A disagreement between methods usually vanishes with fewer cells or a shorter run.
         let whole = found.failure.class == "methods disagree";
         let (spec, Failure { class, detail }) =
             if whole { (found.spec.clone(), found.failure.clone()) } else { simplest(found) };
@@ -183,15 +183,15 @@ fn assert_holds(scenes: usize) {
     assert!(tally.failed.is_empty(), "BARWAVE_RANDOM_SEED={seed}: {:?}", tally.failed);
 }
 
-/// Every scene is refused with a help line, or runs to its end or to an error that names its cause, by every method, without a panic or
-/// a number that is none, with closed balances of energy and momentum; its mirror image has the mirrored answer, and methods agree.
+/// With every method, every scene is refused with help, or runs to its end or to an error that states its cause, without a panic or NaN, with closed
+/// balances of energy and momentum. Its mirror image has the mirrored solution, and the methods agree.
 #[test]
 fn any_scene_is_refused_with_help_or_keeps_its_account() {
     assert_holds(from_environment("BARWAVE_RANDOM_SCENES").map_or(SCENES, |count| count as usize));
 }
 
-/// Largest forces, impulses and times of contact at ends and joints, as a summary shows them, are the same by every method, or come together on
-/// finer cells.
+/// The largest forces, impulses and contact times at ends and joints, as in the summary, agree between methods, or converge to each other with finer
+/// cells.
 #[test]
 fn methods_agree_on_the_loads_of_any_scene() {
     let (seed, scenes) = (seed(), from_environment("BARWAVE_RANDOM_SCENES").map_or(LOADED, |count| count as usize));
@@ -204,7 +204,7 @@ fn methods_agree_on_the_loads_of_any_scene() {
     assert!(tally.failed.is_empty(), "BARWAVE_RANDOM_SEED={seed}: {:?}", tally.failed);
 }
 
-/// The scene that a failure names as drawn by a seed: its files, what becomes of it, and what does not hold.
+/// Prints the scene that a failure names by its seed: its files, its results, and its failures.
 #[test]
 #[ignore = "repeats the scene drawn by BARWAVE_RANDOM_SCENE"]
 fn one_scene() {

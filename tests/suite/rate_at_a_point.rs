@@ -1,5 +1,5 @@
-//! Rate-dependent laws at a material point that is strained at a constant rate, in steps of any length, beside an independent
-//! integration of their differential equations in fine steps; and a wave whose plastic strain must not depend on the grid.
+//! Rate-dependent laws at a material point strained at a constant rate in steps of any length, against an independent integration of their
+//! differential equations in fine steps; and a wave whose plastic strain must not depend on the grid.
 
 use crate::common;
 
@@ -24,16 +24,16 @@ const LAWS: [Rate; 6] = [
     Rate::ZerilliArmstrong { c1: 1e9, c3: 0.007, c4: 4e-4, reference: 1e-3 },
 ];
 
-/// Temperature at the start, K.
+/// Initial temperature, K.
 const COLD: f64 = 300.0;
 
-/// Thermal stress of Zerilli and Armstrong, Pa, at a plastic strain rate (1/s) and temperature (K).
+/// Returns the thermal stress of Zerilli and Armstrong's law, Pa, at a plastic strain rate (1/s) and a temperature (K).
 fn thermal_stress(law: Rate, rate: f64, temperature: f64) -> f64 {
     let Rate::ZerilliArmstrong { c1, c3, c4, .. } = law else { panic!("another law") };
     c1 * (-c3 * temperature + c4 * temperature * rate.ln()).exp()
 }
 
-/// Plastic strain rate, 1/s, at overstress x over the static stress f: written anew, from the laws' definitions.
+/// Returns the plastic strain rate, 1/s, at an overstress x above the static stress f, computed independently from the definitions of the laws.
 fn plastic_rate(law: Rate, x: f64, f: f64, temperature: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;
@@ -50,11 +50,11 @@ fn plastic_rate(law: Rate, x: f64, f: f64, temperature: f64) -> f64 {
     }
 }
 
-/// The static curve of the tests: linear hardening from the yield stress on.
+/// Static curve of the tests: linear hardening from the yield stress.
 #[derive(Clone, Copy)]
 struct Point {
     law: Rate,
-    /// Slope of the static stress over the plastic strain, Pa.
+    /// Slope of the static stress against the plastic strain, Pa.
     hardening: f64,
     heated: bool,
 }
@@ -86,7 +86,7 @@ impl Point {
         stepped_law(&segment(material.clone(), 1.0), &effects, dt).law
     }
 
-    /// Stresses of its material at the ends of equal steps of strain from zero, with the sum of the work of the overstress over E.
+    /// Returns the stresses at the ends of equal strain steps from zero, and the total work of the overstress divided by E.
     fn stresses(self, material: &Material, rate: f64, dt: f64, steps: usize) -> (Vec<f64>, f64) {
         let law = self.stepped(material, dt);
         let (mut sigma, mut state, mut work) = (vec![0.0], vec![0.0; law.state_len()], vec![0.0]);
@@ -101,7 +101,7 @@ impl Point {
         (seen, before / MODULUS)
     }
 
-    /// d(plastic strain, temperature over the range to melting)/dt at a strain.
+    /// Returns the derivatives of the plastic strain and of the relative temperature (1 at melting) with respect to time.
     fn slope(self, strain: f64, [plastic, warm]: [f64; 2]) -> [f64; 2] {
         let g = if self.heated { 1.0 - warm } else { 1.0 };
         let f = g * (YIELD + self.hardening * plastic);
@@ -110,8 +110,8 @@ impl Point {
         [flow, 0.9 * stress * flow / (DENSITY * SPECIFIC_HEAT * RISE_TO_MELTING)]
     }
 
-    /// The stress after a time at a strain rate, from yield on, by steps of Runge and Kutta's fourth order, short
-    /// against the relaxation time.
+    /// Returns the stress after a time at a strain rate, from yield, by the fourth-order Runge-Kutta method with steps that are short compared with
+    /// the relaxation time.
     fn reference(self, rate: f64, time: f64) -> f64 {
         let (mut t, mut y) = (YIELD / (MODULUS * rate), [0.0, 0.0]);
         if time <= t {
@@ -121,7 +121,7 @@ impl Point {
         let mut stress = YIELD;
         while t < time {
             let now = self.slope(rate * t, y);
-            // What an overstress gains in a step stays below two hundredths of that which makes a factor e in the rate.
+            // The increase of the overstress in a step is less than 0.02 of that which changes the rate by a factor of e.
             let x = |y: [f64; 2]| {
                 MODULUS * (rate * t - y[0])
                     - (1.0 - if self.heated { y[1] } else { 0.0 }) * (YIELD + self.hardening * y[0])
@@ -167,7 +167,7 @@ fn the_stress_is_that_of_the_strain_rate_whatever_the_step() {
                 let found = *point.stresses(&material, rate, time / steps as f64, steps).0.last().expect("steps");
                 let off = (found - exact).abs() / YIELD;
                 worst = worst.max(off);
-                // Four steps of 0.3 % of strain each: heat and hardening of a whole step are then taken at its ends.
+                // Four steps of 0.3 % of strain each: heat and hardening are evaluated at the ends of steps.
                 let bound = if steps == 4 { 0.02 } else { 2e-3 };
                 assert!(
                     off < bound,
@@ -182,7 +182,7 @@ fn the_stress_is_that_of_the_strain_rate_whatever_the_step() {
     eprintln!("largest error of the stress: {worst:.1e} of the yield stress");
 }
 
-/// The case for which half steps of flow around the strain gave 0.081 and 0.077.
+/// Half steps of flow around the strain increment would give 0.081 and 0.077.
 #[test]
 fn johnson_cook_has_its_logarithm_in_millimetre_cells() {
     let point = Point { law: Rate::JohnsonCook { c: 0.014, reference: 1.0 }, hardening: 0.0, heated: false };
@@ -194,7 +194,8 @@ fn johnson_cook_has_its_logarithm_in_millimetre_cells() {
     }
 }
 
-/// Rates over ten decades on a level curve, in steps over five: the closed form, and at and below the reference rate the curve.
+/// Rates over ten decades on a level curve, with steps over five decades, against the closed form; at and below the reference rate, the stress is
+/// that of the curve.
 #[test]
 fn zerilli_and_armstrong_have_their_thermal_stress() {
     let law = LAWS[5];
@@ -207,7 +208,7 @@ fn zerilli_and_armstrong_have_their_thermal_stress() {
         let exact = YIELD + (thermal_stress(law, rate, COLD) - thermal_stress(law, reference, COLD)).max(0.0);
         for steps in [10_usize, 100, 1000, 10_000] {
             let stress = *point.stresses(&material, rate, 0.05 / (rate * steps as f64), steps).0.last().expect("steps");
-            // At just the reference rate a cell comes to the curve and leaves it in turns.
+            // At just the reference rate, a cell alternately reaches the curve and leaves it.
             assert!((stress / exact - 1.0).abs() < 1e-8, "{rate:e}/s, {steps} steps: {stress:e} {exact:e}");
         }
         assert!(exact > last || rate <= reference, "{rate:e}: {exact:e} {last:e}");
@@ -215,7 +216,7 @@ fn zerilli_and_armstrong_have_their_thermal_stress() {
     }
 }
 
-/// Steady flow of a cell that its work heats, on a level curve: the softened curve and the thermal stress of its temperature.
+/// Steady flow of a cell that is heated by its plastic work, on a level curve: the softened curve plus the thermal stress at its temperature.
 #[test]
 fn zerilli_and_armstrong_follow_the_temperature() {
     let law = LAWS[5];
@@ -232,26 +233,26 @@ fn zerilli_and_armstrong_follow_the_temperature() {
         }
         let temperature = rows.temperature(&state, 0);
         let softening = 1.0 - (temperature - COLD) / RISE_TO_MELTING;
-        // The stress falls as the cell heats: it flows at more than the rate of strain.
+        // The stress decreases as the cell is heated: the flow rate exceeds the strain rate.
         let flow = rate - (sigma[0] - before) / (MODULUS * dt);
         let thermal = |rate| thermal_stress(law, rate, temperature);
         let exact = softening * YIELD + thermal(flow) - thermal(1e-3);
         assert!(temperature > COLD + 100.0, "{temperature}");
-        // A step heats the cell by a fifth of a kelvin, and flows at the temperature of its middle.
+        // A step heats the cell by a fifth of a kelvin; the flow is that at the temperature in the middle of the step.
         assert!((sigma[0] / exact - 1.0).abs() < 1e-4, "{rate:e}/s: {} {exact}", sigma[0]);
         let cold = softening * YIELD + thermal_stress(law, rate, COLD) - thermal_stress(law, 1e-3, COLD);
         assert!((sigma[0] / cold - 1.0).abs() > 0.01, "at {temperature} K it is not that of the cold metal");
     }
 }
 
-/// In steps that resolve the relaxation the error falls as their square.
+/// With steps that resolve the relaxation, the error decreases as their square.
 #[test]
 fn the_order_is_two_where_steps_resolve_the_relaxation() {
     for point in points() {
         let material = point.material();
-        // About the overstress of the static stress by the last of the powers.
+        // With the smaller of the exponents, the overstress is about the static stress.
         let rate = if matches!(point.law, Rate::CowperSymonds { q: 0.6, .. }) { 5.0 } else { 1e4 };
-        // On the way to the steady overstress, and beyond: the mean error over 16 ends, each at another part of a step.
+        // Mean error over 16 end times before and in the steady state, each at another fraction of a step.
         let relaxation = match point.law {
             Rate::Malvern { k } => 1.0 / k,
             Rate::CowperSymonds { d, q } => (rate / d).powf(1.0 / q) * YIELD / (q * MODULUS * rate),
@@ -273,7 +274,7 @@ fn the_order_is_two_where_steps_resolve_the_relaxation() {
         let errors = [8, 16, 32, 64].map(error);
         eprintln!("{:?}, hardening {:e}, heat {}: {errors:?}", point.law, point.hardening, point.heated);
         if matches!(point.law, Rate::JohnsonCook { .. }) {
-            // Closed, but for the step in which the flow begins, at once with the reference rate: 1e-4 of the strain rate.
+            // Closed solution, except for the step in which the flow begins, at once with the reference rate: 1e-4 of the strain rate.
             assert!(errors.iter().all(|e| *e < 1e-7), "{:?} {}: {errors:?}", point.law, point.heated);
             continue;
         }
@@ -306,7 +307,7 @@ fn stress_rises_with_the_rate_of_strain() {
     }
 }
 
-/// From flow that is over in 1e-12 s to none: between the static curve and Hooke's law, and both at the ends.
+/// Between flow that relaxes within 1e-12 s and no flow, the stress is between the static curve and Hooke's law, and equals them in these limits.
 #[test]
 fn laws_go_from_relaxed_to_elastic() {
     let (rate, dt, steps) = (1e4, 1e-7, 12);
@@ -331,7 +332,7 @@ fn laws_go_from_relaxed_to_elastic() {
     }
 }
 
-/// Plastic strain along a bar that is struck, in 16 parts of it.
+/// Returns the plastic strain along a bar that is struck, in 16 parts.
 fn plastic_strains(rate: Rate, cells: usize) -> Vec<f64> {
     let point = Point { law: rate, hardening: 2e9, heated: false };
     let effects = Effects { hardening: Some(HardeningRule::Isotropic), rate: Some(rate), ..Effects::default() };
@@ -356,7 +357,7 @@ fn the_plastic_strain_of_an_impact_does_not_depend_on_the_grid() {
         };
         let errors = [0, 1, 2].map(off);
         eprintln!("{rate:?}: plastic strain off by {errors:?} with 500, 1000, 2000 cells against 4000");
-        // A thousandth with 2 mm cells, falling; Cowper and Symonds' law, which hardly flows here, has nothing left to lose.
+        // A thousandth with 2 mm cells, decreasing; with Cowper and Symonds' law, which hardly flows here, no error remains.
         assert!(errors[0][0] < 2e-3 && errors[2][0] < (0.2 * errors[0][0]).max(1e-6), "{rate:?}: {errors:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Rate-dependent bars on the staggered grid: limits, the decay of a precursor, and the characteristic net beside it.
+//! Rate-dependent bars on the staggered grid: limits, decay of a precursor, and comparison with the characteristic net.
 
 use crate::common;
 use crate::common::net;
@@ -34,7 +34,7 @@ fn pulled(material: &Material, rate: Rate, hardening: HardeningRule, cells: usiz
     bar(vec![segment(material.clone(), 1.0)], ends, &effects(rate, hardening), cells)
 }
 
-/// Rises smoothly, goes back, and is let go.
+/// Returns an end whose velocity rises smoothly, reverses, and which is then released.
 fn pulse() -> EndCondition {
     let rows: Vec<(f64, f64)> = (0..=64)
         .map(|k| f64::from(k) / 64.0)
@@ -92,7 +92,7 @@ fn infinitely_quick_flow_is_the_rate_independent_bar_and_slow_flow_the_elastic_o
     }
 }
 
-/// Largest relative error of the stress at a decaying precursor's front on its way through the bar.
+/// Returns the largest relative error of the stress at the front of a decaying precursor along its path through the bar.
 fn precursor_error(material: &Material, k: f64, cells: usize) -> f64 {
     let rate = Rate::Malvern { k };
     let ends = [moved(20.0), EndCondition::Free];
@@ -117,7 +117,7 @@ fn the_precursor_decays_as_theory_says() {
         for material in [bilinear_steel(), power_law_steel()] {
             let errors = [500, 1000, 2000].map(|cells| precursor_error(&material, k, cells));
             let k_dt = k / c0() / 1000.0;
-            // The front's cell has flowed for a part of a step that the splitting does not know: first order.
+            // The cell of the front has flowed for a part of a step unknown to the splitting: first order.
             assert!(errors[1] < k_dt, "k = {k:e}: {errors:?}, k dt = {k_dt:e}");
             for pair in errors.windows(2) {
                 assert!((pair[0] / pair[1]).log2() > 0.9, "k = {k:e}: {errors:?}");
@@ -144,7 +144,7 @@ fn a_smooth_wave_comes_to_that_of_the_characteristic_net() {
         let gaps = [250, 500, 1000].map(gap);
         eprintln!("grid against net, {hardening:?}: {gaps:?}");
         for pair in gaps.windows(2) {
-            // Both are of second order but where a cell begins to flow.
+            // Both are of second order, except where a cell begins to flow.
             assert!((pair[0] / pair[1]).log2() > 1.5, "{gaps:?}");
         }
         assert!(gaps[2] < 1e-4, "{gaps:?}");
@@ -167,7 +167,7 @@ fn no_rate_blows_up_and_all_work_is_accounted_for() {
             for _ in 0..900 {
                 bar.advance();
                 let row = ledger.row(&bar);
-                // Taken, not given, up to the rounding of the work of 300 cells.
+                // Energy is dissipated, not added, up to rounding of the work of 300 cells.
                 assert!(
                     row.energies.viscoplastic >= -1e-12 * row.energies.plastic.abs().max(row.energies.elastic),
                     "{rate:?}"

@@ -1,4 +1,4 @@
-//! Rate-dependent scenes as users write them: from the text of a scene to its summary and result file.
+//! Rate-dependent scenes from the text of a scene to its summary and result file.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -10,7 +10,7 @@ use barwave::run::run;
 use barwave::scene::{HardeningRule, Method, Rate, Scene};
 use barwave::study::plan::plan;
 
-/// A process that is started while a result file is open takes its lock along.
+/// A process that is started while a result file is open inherits its lock.
 static FILES: std::sync::Mutex<()> = std::sync::Mutex::new(());
 
 const MODULUS: f64 = 200e9;
@@ -50,7 +50,7 @@ fn rate_chooses_the_characteristic_net_and_brings_elastic_unloading() {
 const ZERILLI_ARMSTRONG: &str = "rate = { model = \"zerilli-armstrong\", C1 = \"1 GPa\", C3 = \"0.007 1/K\", C4 = \"8e-4 \
                                  1/K\", reference = \"1e-3 1/s\" }";
 
-/// The same bar with the temperature at which its curve holds.
+/// Returns the same bar with the temperature at which its curve is valid.
 fn at_300_kelvin(effects: &str, solve: &str, rest: &str) -> String {
     let text = scene(MALVERN, solve, rest).text.clone();
     let material = "beyond = \"extend\"\nheat = { specific-heat = 460, reference-temperature = 300, melting-temperature = \
@@ -58,7 +58,8 @@ fn at_300_kelvin(effects: &str, solve: &str, rest: &str) -> String {
     text.replace("beyond = \"extend\"", material).replace(MALVERN, effects)
 }
 
-/// Through the binary: behind the elastic front the overstress x of a bar at its yield stress falls as `dx/ds = -q(x)/(2 c0)` with the way s.
+/// Through the binary: behind the elastic front, the overstress x of a bar at its yield stress decreases with the distance s as `dx/ds = -q(x)/(2
+/// c0)`.
 #[test]
 fn the_precursor_of_zerilli_and_armstrong_decays() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -78,7 +79,7 @@ fn the_precursor_of_zerilli_and_armstrong_decays() {
         (&heated, "method = \"fd\"\ncells = 2000", 1e-3),
     ] {
         let file = folder.path().join("scene.toml");
-        // No longer than the wave gets by then.
+        // The bar is no longer than the distance that the wave travels.
         let text =
             at_300_kelvin(effects, solve, record).replace("length = 1", "length = 0.5").replace("150 us", "91 us");
         std::fs::write(&file, text).expect("written");
@@ -92,7 +93,7 @@ fn the_precursor_of_zerilli_and_armstrong_decays() {
         let result = ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
         let frames = result.field(Field::Stress, 0..1).expect("stresses");
         let stress: Vec<f64> = frames.iter().map(|s| s.abs()).collect();
-        // The cell in which the front is has a mean over time.
+        // The cell that contains the front has a mean over time.
         let front = stress.iter().rposition(|s| *s > 0.9 * behind(90e-6 * c0)).expect("a front") - 2;
         let exact = behind((front as f64 + 0.5) / 4000.0);
         println!("{solve}: {} {exact}", stress[front]);
@@ -134,7 +135,7 @@ fn a_run_shows_the_decay_of_the_precursor_in_its_fields_and_gauges() {
     assert_eq!((summary.method.as_str(), summary.scheme.as_str()), ("moc", "characteristic-net"));
     assert_eq!(summary.outcome, "done");
     assert!(summary.effects.iter().any(|e| e.starts_with("rate: malvern")), "{:?}", summary.effects);
-    // 1e7 cell-steps of rounding.
+    // Rounding of 1e7 cell-steps.
     assert!(summary.ledger.energy_residual < 1e-12 && summary.ledger.momentum_residual < 1e-12);
     assert!(summary.error.is_none(), "the self-similar solution knows no strain rate");
     let c0 = (MODULUS / DENSITY).sqrt();
@@ -142,8 +143,8 @@ fn a_run_shows_the_decay_of_the_precursor_in_its_fields_and_gauges() {
     let result = ResultFile::open(&file).expect("a result file");
     let gauge = &result.gauges().expect("gauges")[0].trace;
     let first = gauge.stress.iter().position(|s| s.abs() > 0.9 * behind(0.5)).expect("the front arrives");
-    // The gauge is in the middle of a cell, half a cell behind the front when it is first passed: k dt/4 of the
-    // overstress less than at the front, 5e-5 at most.
+    // The gauge is in the middle of a cell, half a cell behind the front at first: the overstress is less than at the front by k dt/4 of it, 5e-5 at
+    // most.
     let relative = gauge.stress[first] / -behind(0.49995) - 1.0;
     assert!(relative.abs() < 5e-5, "{relative:e}");
     let late = gauge.time[first] - 0.49995 / c0;
@@ -206,19 +207,19 @@ fn a_rate_scene_runs_on_the_grid_where_it_asks_for_that() {
     let summary = run(&on_grid, None, &mut |_| ControlFlow::Continue(())).expect("it runs");
     assert_eq!((summary.method.as_str(), summary.scheme.as_str()), ("fd", "leapfrog"));
     assert!(summary.effects.iter().any(|e| e.starts_with("rate: malvern")), "{:?}", summary.effects);
-    // 1e6 cell-steps of rounding.
+    // Rounding of 1e6 cell-steps.
     assert!(summary.ledger.energy_residual < 1e-12 && summary.ledger.momentum_residual < 1e-12, "{:?}", summary.ledger);
     let bytes = |effects: &str| {
         let work = serde_json::to_value(plan(&scene(effects, "method = \"fd\"", ""))).expect("json");
         work["bytes_per_yielded_cell"].as_u64()
     };
-    // Stress, velocity, by how much the cell flows (4 bytes), 2, 5 or 6 numbers of the law, and two waves once it is elastic again.
+    // Stress, velocity, the flow indicator of the cell (4 bytes), 2, 5 or 6 state variables of the law, and two waves once the cell is elastic again.
     assert_eq!(bytes("hardening = \"isotropic\""), Some(52));
     assert_eq!(bytes(MALVERN), Some(76));
     assert_eq!(bytes(&format!("hardening = \"kinematic\"\n{MALVERN}")), Some(84));
 }
 
-/// A cell that is carried as two waves has two numbers more than it needs once it has yielded without hardening.
+/// A cell that is represented by two waves has two numbers more than it needs once it has yielded without hardening.
 #[test]
 fn the_largest_memory_is_that_of_elastic_or_of_yielded_cells() {
     for effects in ["", "hardening = \"isotropic\""] {
@@ -229,7 +230,7 @@ fn the_largest_memory_is_that_of_elastic_or_of_yielded_cells() {
     }
 }
 
-/// A segment whose material states no constants follows the quasi-static curve, which the run says.
+/// A segment whose material has no rate constants follows the quasi-static curve, which the run notes.
 #[test]
 fn segments_without_rate_constants_are_noted() {
     let segment = |material: &str| format!("[[bar.segment]]\nlength = 0.2\nmaterial = \"{material}\"\n");

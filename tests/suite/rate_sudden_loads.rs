@@ -1,5 +1,5 @@
-//! Rate-dependent bars that are suddenly loaded: what histories and peaks show is what the bar carries, on coarse grids, too. The references are a
-//! characteristic net of many cells after its first steps, in which it comes to the state behind the load itself.
+//! Suddenly loaded rate-dependent bars: histories and peaks show the load of the bar, on coarse grids, too. The reference is a characteristic net of
+//! many cells after its first steps, in which it reaches the state behind the load.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -12,7 +12,7 @@ const COPPER: &str = "\"copper-ofhc-jc\"";
 const STEEL: &str = "\"steel-4340-jc\"";
 const OWN_RATE: &str = "\"material\"";
 
-/// A bar whose left end is like this.
+/// Returns a bar with this left end.
 fn scene(material: &str, bar: &str, left: &str, rate: &str) -> String {
     format!(
         "[bar]\nlength = \"0.2 m\"\narea = \"1 cm^2\"\nmaterial = {material}\n{bar}\n[left]\n{left}\n[right]\nkind = \"free\"\n\
@@ -35,8 +35,9 @@ fn at(times: &[f64], values: &[f64], time: f64) -> f64 {
     values[times.partition_point(|&row| row < time)]
 }
 
-/// By leapfrog with 100 cells a copper bar showed 252 MPa for 422 MPa after 1 us at a wall, the net 565 MPa, and under a constant stress the end moved
-/// at 14 m/s for 40 m/s. All showed the force of an elastic bar at t = 0: 267 kN for 43 kN.
+/// The ends have the state behind the load, and not that of an elastic bar. Otherwise, a copper bar at a wall has 267 kN instead of 43 kN at t = 0,
+/// and with 100 cells after 1 us 252 MPa (leapfrog) and 565 MPa (net) instead of 422 MPa; under a constant stress, the end of leapfrog moves at 14
+/// m/s instead of 40 m/s.
 #[test]
 fn ends_show_the_state_behind_the_load() {
     let moving = "velocity = -80";
@@ -75,7 +76,7 @@ fn ends_show_the_state_behind_the_load() {
     }
 }
 
-/// Where flow takes longer than the first step, the bar is elastic at first.
+/// If the flow takes longer than the first step, the bar is elastic at first.
 #[test]
 fn a_load_that_relaxes_slowly_is_elastic_at_first() {
     let malvern = "{ model = \"malvern\", k = \"1e5 1/s\" }";
@@ -88,7 +89,7 @@ fn a_load_that_relaxes_slowly_is_elastic_at_first() {
     }
 }
 
-/// Faces of two bars: the force of the first step was that of elastic bars.
+/// The force of the first step between the faces of two bars is that behind the load, not that of elastic bars.
 #[test]
 fn joints_show_the_force_behind_the_load() {
     let segment = |velocity: i32, joint: &str| {
@@ -121,8 +122,8 @@ fn joints_show_the_force_behind_the_load() {
     }
 }
 
-/// Johnson and Cook's law with a small C: a bar that hardly fades starts with its fan. It had 4.8 % too much strain in the first cell, beside joints up
-/// to 21 %.
+/// With Johnson and Cook's law and a small C, the fan hardly fades, and the bar starts with it. Otherwise, the first cell has 4.8 % too much strain,
+/// and up to 21 % beside joints.
 #[test]
 fn a_bar_of_hardly_any_rate_sensitivity_starts_with_its_fan() {
     let rate = "{ model = \"johnson-cook\", C = 0.001, reference = \"1 1/s\" }";
@@ -142,8 +143,9 @@ fn a_bar_of_hardly_any_rate_sensitivity_starts_with_its_fan() {
     }
 }
 
-/// A wave comes through an elastic rod to a soft bar, and through that to a fixed end. The net showed the stress half-way through the flow of the
-/// step in which it comes: 1037 N for 866 N at the fixed end, and 1090 N for 966 N between the faces, at any resolution.
+/// A wave passes through an elastic rod into a soft bar, and through that to a fixed end. The net must not report the stress half-way through the
+/// flow of the step in which the wave arrives: 1037 N instead of 866 N at the fixed end, and 1090 N instead of 966 N between the faces, at any
+/// resolution.
 #[test]
 fn a_net_shows_the_force_that_flow_has_left_where_waves_arrive() {
     let rod = "material = { density = 7000, modulus = \"120 GPa\", curve = { table = [[0.01, \"1.2 GPa\"]] } }";
@@ -168,7 +170,8 @@ fn a_net_shows_the_force_that_flow_has_left_where_waves_arrive() {
     }
 }
 
-/// Above the critical velocity of the curve at the rates of the load, ends showed the force of an elastic bar: 174 kN for 28 kN.
+/// Above the critical velocity of the curve at the strain rates of the load, ends must not report the force of an elastic bar: 174 kN instead of 28
+/// kN.
 #[test]
 fn ends_above_the_critical_velocity_show_no_elastic_stress() {
     let peak = |velocity: f64, method: &str, cells: usize| {
@@ -183,8 +186,8 @@ fn ends_above_the_critical_velocity_show_no_elastic_stress() {
     }
 }
 
-/// A wave that comes through aluminium to a joint with steel: for a step or two the steel gets what elastic aluminium would give. At the fixed end behind
-/// it the peak was 110 kN by leapfrog and 100 kN by the net, for 84 kN of all that follows.
+/// A wave arrives through aluminium at a joint with steel. For a step or two, the joint transmits what elastic aluminium would, which must not count
+/// as the peak at the fixed end behind it: 110 kN with leapfrog and 100 kN with the net, compared with 84 kN afterwards.
 #[test]
 fn what_a_joint_passes_on_before_it_flows_is_no_peak_of_the_end_behind_it() {
     let text = "[[bar.segment]]\nlength = \"0.3 m\"\ndiameter = \"12 mm\"\nmaterial = \"aluminium-6061-t6-jc\"\n\

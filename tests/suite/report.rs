@@ -1,5 +1,5 @@
-//! `barwave report` on result files written here: figures of finished and unfinished runs, the page, wrong requests.
-// A test that meets an error is to fail there.
+//! `barwave report` of result files written here: figures of finished and unfinished runs, the page, invalid requests.
+// Tests panic at the first unexpected error.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
@@ -44,7 +44,7 @@ pub(crate) fn layout(fields: Vec<Field>) -> Layout {
     }
 }
 
-/// Starts a run of `frames` frames of stress with the given value everywhere.
+/// Starts a result file of `frames` frames with this stress everywhere.
 pub(crate) fn start(path: &Path, frames: usize, stress: f64) -> Writer {
     let header = Header { title: "Pull & <let go>".into(), scene: "x = \"<&>\"".into(), ..Header::default() };
     let mut writer = Writer::create(path, &header, &layout(vec![Field::Stress]), &[]).unwrap();
@@ -188,7 +188,7 @@ fn one_frame_of_zeros_and_not_a_number_can_be_drawn() {
     }
 }
 
-/// It was painted over all times of the run.
+/// A single frame is drawn as a stripe, not over the whole time of the run.
 #[test]
 fn a_single_frame_is_a_stripe() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -240,13 +240,13 @@ fn front_speeds_are_on_a_logarithmic_axis() {
     let figure = Figure { panels: vec![PanelName::FrontSpeeds], ..Figure::default() };
     let svg = drawn(folder.path(), &figure).unwrap();
     assert!(svg.contains(" log\" data-y-label=\"front speed (m/s)\""));
-    // 500 and 5000 m/s with a little room.
+    // 500 and 5000 m/s with a margin.
     for label in [">500<", ">1000<", ">2000<", ">5000<"] {
         assert!(svg.contains(label), "{label}");
     }
 }
 
-/// In ft/s the axis had one label.
+/// An axis of front speeds has several labels, in ft/s, too.
 #[test]
 fn an_axis_of_like_front_speeds_has_several_labels_in_any_units() {
     let folder = tempfile::tempdir().unwrap();
@@ -298,7 +298,7 @@ fn ruptures_are_read_back_and_marked() {
     let file = ResultFile::open(&path).unwrap();
     let stored = file.ruptures().unwrap();
     assert_eq!((stored[0].time, stored[0].x, stored[0].cause.as_str()), (4e-5, 0.6, "spall"));
-    // x-t diagram, profiles, gauges, ends and energy.
+    // Panels: x-t diagram, profiles, gauges, ends and energy.
     assert_eq!(draw(&file, &Figure::default()).unwrap().svg().matches(">rupture<").count(), 5);
     assert_eq!(drawn(folder.path(), &Figure::default()).unwrap().matches(">rupture<").count(), 0);
 }
@@ -319,11 +319,11 @@ fn a_field_that_no_gauge_records_is_read_from_the_frames() {
     let figure = Figure { panels: vec![PanelName::Gauges], ..Figure::default() };
     let svg = draw(&ResultFile::open(&path).unwrap(), &figure).unwrap().svg();
     assert!(svg.contains("displacement at the gauges") && svg.contains("displacement (mm)") && !svg.contains("MPa"));
-    // From 0 to 4 mm with a little room.
+    // From 0 to 4 mm with a margin.
     assert!(svg.contains("data-y=\"-2e-1 4.2e0\""), "{svg}");
 }
 
-/// The levels behind fronts mean nothing once they have met other waves.
+/// The levels behind fronts are not drawn after these have met other waves.
 #[test]
 fn theory_is_drawn_while_its_fronts_run() {
     let folder = tempfile::tempdir().unwrap();
@@ -337,7 +337,7 @@ fn theory_is_drawn_while_its_fronts_run() {
     }
 }
 
-/// What rings would hide the other lines.
+/// A line that oscillates is drawn pale, since it would hide the other lines.
 #[test]
 fn ringing_is_drawn_pale() {
     let folder = tempfile::tempdir().unwrap();
@@ -380,7 +380,7 @@ fn a_spike_that_the_axis_cuts_off_is_named() {
     assert!(svg.contains("extends to \u{2212}9000"), "{svg}");
 }
 
-/// A panel of a bar between a moved and an absorbing end; none where the file has no data for it.
+/// Returns a panel of a bar between a moving and an absorbing end, or `None` if the file has no data for it.
 fn panel_of(panel: PanelName, until: &str, [moved, absorbing]: [&str; 2], value: &str) -> Option<String> {
     let folder = tempfile::tempdir().unwrap();
     let material =
@@ -404,7 +404,7 @@ fn over_x_t(value: &str) -> Option<String> {
 fn the_stress_strain_panel_shows_the_places_that_are_strained() {
     let path = |until, ends, value| panel_of(PanelName::StressStrain, until, ends, value);
     let ends = ["right", "left"];
-    // The wave has come 0.2 m far, then through the middle of the bar.
+    // The wave has travelled 0.2 m, then through the middle of the bar.
     let one = path("40 us", ends, "value = 12").unwrap();
     assert_eq!(one.matches(">x = ").count(), 1, "{one}");
     let two = path("120 us", ends, "value = 12").unwrap();
@@ -420,6 +420,6 @@ fn the_panel_over_x_t_ends_where_the_load_changes() {
     let reversed = over_x_t("history = [[0, -12], [60e-6, -12], [60e-6, 5]]").unwrap();
     assert!(shows(&reversed, "20") && shows(&reversed, "40") && shows(&reversed, "60"), "{reversed}");
     assert!(!shows(&reversed, "80") && !shows(&reversed, "120"), "{reversed}");
-    // The fan of theory is that of 20 m/s, which is not there before 60 us.
+    // The theoretical fan is that of 20 m/s, which does not exist before 60 us.
     assert_eq!(over_x_t("history = [[0, -12], [60e-6, -12], [60e-6, -20]]"), None);
 }

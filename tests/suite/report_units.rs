@@ -1,4 +1,4 @@
-//! Units of the pages of all runs.
+//! Units on the pages of all runs.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -8,7 +8,7 @@ use barwave::units::{Dimension, System, scale_for};
 
 use crate::common::binary;
 
-/// Symbols of a system, as pages print them.
+/// Returns the symbols of a system as they are printed on pages.
 fn symbols(system: System) -> BTreeSet<String> {
     let powers = -15..16;
     let all = Dimension::ALL.iter().flat_map(|&dimension| {
@@ -17,7 +17,7 @@ fn symbols(system: System) -> BTreeSet<String> {
     all.map(|symbol| symbol.replace('*', "\u{b7}").replace("^2", "\u{b2}").replace("^3", "\u{b3}")).collect()
 }
 
-/// The lines of a page without its scene.
+/// Returns the lines of a page without its scene.
 fn lines(page: &str) -> Vec<String> {
     let (_, mut rest) = page.split_once("<main>").expect("a body");
     let mut text = String::new();
@@ -30,7 +30,7 @@ fn lines(page: &str) -> Vec<String> {
     text.lines().map(str::to_owned).collect()
 }
 
-/// Units behind a number or in brackets.
+/// Returns the units behind a number or in brackets.
 fn units(line: &str) -> impl Iterator<Item = &str> {
     let is_number = |word: &str| word.trim_start_matches('(').replace('\u{2212}', "-").parse::<f64>().is_ok();
     let words: Vec<&str> = line.split(' ').collect();
@@ -42,7 +42,7 @@ fn units(line: &str) -> impl Iterator<Item = &str> {
         .map(|(_, word)| word.trim_matches(['(', ')', ',', ';', '.']))
 }
 
-/// Momenta and impulses stayed in N s in US reports, and areas of impacts were in in^2.
+/// All units on pages with US units are US units, including momenta, impulses, and areas of impacts.
 #[test]
 fn pages_in_inch_pound_units_have_no_others() {
     let us = symbols(System::Us);
@@ -67,7 +67,7 @@ fn pages_in_inch_pound_units_have_no_others() {
         let lines = lines(&page);
         assert!(lines.len() > 20, "{scene}");
         for line in lines {
-            // A number with its unit, and no sentence.
+            // A number with its unit, not a sentence.
             let is_value = line.split(' ').count() == 2;
             let found = units(&line).any(|unit| si.contains(unit) || (is_value && unit.contains('^')));
             if found {
@@ -78,7 +78,7 @@ fn pages_in_inch_pound_units_have_no_others() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The numbers of a line of text, without those that are parts of words.
+/// Returns the numbers of a line of text, except those that are parts of words.
 fn numbers(line: &str) -> Vec<f64> {
     line.split_whitespace().filter_map(|word| word.parse().ok()).collect()
 }

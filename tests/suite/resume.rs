@@ -1,4 +1,4 @@
-//! Runs that are interrupted or killed and then resumed, through the real binary: they have the bits of runs that were not.
+//! Runs that are interrupted or killed and then resumed, through the real binary, have the same bits as uninterrupted ones.
 #![cfg(unix)]
 
 use crate::common;
@@ -18,7 +18,7 @@ use common::{BUSY_AREA, busy_ends};
 use results::{assert_same, unlocked};
 use serde_json::Value;
 
-/// The end of a scene that takes some tenths of a second to run.
+/// End of a scene that runs for some tenths of a second.
 const SOLVE: &str = "[solve]\nuntil = \"2 ms\"\ncells = 600\n";
 const RECORD: &str = "[record]\nframes = 50\ncells = 100\ngauges = { near = 0.1, far = 0.7 }\n";
 const STEEL: &str = "name = \"steel\"\ndensity = 7800\nmodulus = \"200 GPa\"\npoisson = 0.3\nbeyond = \"extend\"\n\
@@ -27,7 +27,7 @@ const HEAT: &str = "name = \"copper\"\ndensity = 8960\nmodulus = \"124 GPa\"\nbe
                     curve = { formula = \"johnson-cook\", A = \"90 MPa\", B = \"292 MPa\", n = 0.31 }\n\
                     heat = { specific-heat = 383, reference-temperature = 293, melting-temperature = 1356, m = 1.09 }\n";
 
-/// A bar of the steel with an end of this kind, another one, effects, and how it is solved.
+/// Returns a steel bar with these ends, effects and solver.
 fn scene(left: &str, right: &str, effects: &str, solve: &str) -> String {
     format!(
         "[bar]\nlength = 1\ndiameter = \"20 mm\"\nmaterial = \
@@ -36,13 +36,13 @@ fn scene(left: &str, right: &str, effects: &str, solve: &str) -> String {
     )
 }
 
-/// The same scene of a bar that starts stressed and partly yielded.
+/// Returns the scene with a bar that is stressed and partly yielded at the start.
 fn stressed(scene: &str) -> String {
     let state = "stress = [[0, 0], [0.5, \"40 MPa\"], [1, 0]]\nplastic-strain = [[0, 0.004], [0.3, 0]]";
     scene.replacen("[left]", &format!("{state}\n[left]"), 1)
 }
 
-/// Scenes by name. Materials and a history are in files of their own.
+/// Returns scenes by name. Materials and a history are in separate files.
 fn scenes() -> Vec<(&'static str, String)> {
     let (pulled, free) = ("kind = \"velocity\"\nvalue = -12", "kind = \"free\"");
     let plastic = "hardening = \"isotropic\"";
@@ -68,7 +68,7 @@ fn scenes() -> Vec<(&'static str, String)> {
     let many_frames = scene(pulled, free, plastic, "").replace("2 ms", "20 us").replace("frames = 50", "frames = 2000");
     let pulled_apart = "kind = \"velocity\"\nhistory = [[0, 0], [\"1 ms\", -30], [\"2 ms\", -200]]";
     let stopped = scene(pulled_apart, free, plastic, "").replace("steel.toml", "brittle.toml");
-    // The end of the data comes early: long enough to be interrupted all the same.
+    // The end of the data is reached early; with more cells, the run is still long enough to be interrupted.
     let stopped = stopped.replace("cells = 600", "cells = 4000");
     vec![
         ("plastic", scene("kind = \"velocity\"\ncsv = \"blow.csv\"", free, plastic, "")),
@@ -126,12 +126,12 @@ fn scenes() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// A bar of the steel by front tracking.
+/// Returns a steel bar with front tracking.
 fn tracked(left: &str, right: &str, effects: &str, solve: &str) -> String {
     scene(left, right, effects, &format!("method = \"moc\"\n{solve}")).replace("cells = 600\n", "")
 }
 
-/// Scenes by front tracking.
+/// Returns scenes with front tracking.
 fn tracked_scenes() -> Vec<(&'static str, String)> {
     let (free, plastic) = ("kind = \"free\"", "hardening = \"isotropic\"");
     let let_go =
@@ -160,10 +160,10 @@ fn tracked_scenes() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Scenes whose effects or method are chosen.
+/// Returns scenes whose effects or method are selected automatically.
 fn open_scenes() -> Vec<(&'static str, String)> {
     let auto = include_str!("../../runs/copper-auto.toml").replace("cells = 1000", "cells = 1500");
-    // By leapfrog alone, and not at the first attempt.
+    // With leapfrog only, and not selected at the first attempt.
     let damped = include_str!("../../runs/copper-to-a-tolerance.toml")
         .replace("tolerance = 1e-3", "tolerance = 2e-2")
         .replace("[effects]", "[effects]\ndamping = { external = 100 }");
@@ -173,7 +173,7 @@ fn open_scenes() -> Vec<(&'static str, String)> {
     vec![("auto", auto), ("tolerance", damped), ("auto-tolerance", format!("effects = \"auto\"\n{both}"))]
 }
 
-/// A folder with all scenes and what they name.
+/// Returns a folder with all scenes and the files that they name.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, text) in [scenes(), tracked_scenes(), open_scenes()].concat() {
@@ -185,7 +185,7 @@ fn folder() -> tempfile::TempDir {
 
 fn write_named(folder: &Path) {
     let history = "time [us],velocity [m/s]\n0,-12\n60,-12\n60,5\n300,0\n";
-    // The run stops where its data end.
+    // The run stops at the end of its data.
     let brittle = STEEL.replace("beyond = \"extend\"\n", "");
     let named = [("steel.toml", STEEL), ("copper.toml", HEAT), ("brittle.toml", &brittle), ("blow.csv", history)];
     for (name, text) in named {
@@ -200,7 +200,7 @@ fn start(folder: &Path, arguments: &[&str]) -> Child {
 }
 
 fn signal(child: &Child, name: &str) {
-    // It may have ended by itself.
+    // The process may have ended already.
     let _ = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).stderr(Stdio::null()).status();
 }
 
@@ -208,7 +208,7 @@ fn message(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The summary without the times of the run; of a run that stopped, its error.
+/// Returns the summary without the times of the run; for a stopped run, its error.
 fn summary(output: &Output) -> Value {
     if output.status.code() == Some(1) {
         return message(output).lines().filter(|line| line.starts_with("error: ")).collect::<String>().into();
@@ -221,7 +221,7 @@ fn summary(output: &Output) -> Value {
     summary
 }
 
-/// Numbers between 0 and 1 that look like chance, other ones each time.
+/// Generator of numbers between 0 and 1 that are different in each run.
 struct Chance(u64);
 
 impl Chance {
@@ -237,7 +237,7 @@ impl Chance {
     }
 }
 
-/// Files of the folder that a run to a result of this name makes.
+/// Returns the files in the folder that belong to a run with this result.
 fn files(folder: &Path, result: &str) -> Vec<String> {
     let names = std::fs::read_dir(folder).expect("a folder").map(|e| e.expect("an entry").file_name());
     let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
@@ -246,14 +246,14 @@ fn files(folder: &Path, result: &str) -> Vec<String> {
     names
 }
 
-/// The run of this file wrote all there is to write.
+/// Returns true if the run has written the complete file.
 fn has_ended(path: &Path) -> bool {
     path.exists()
         && ["done", "rupture", "stopped"]
             .contains(&ResultFile::open(path).expect("a result").metadata().outcome.as_str())
 }
 
-/// A run in two pieces or more, against one in one piece.
+/// Compares a run in several parts with an uninterrupted one.
 fn resumed_is_whole(folder: &Path, name: &str, chance: &mut Chance) {
     let (file, whole, parts) = (format!("{name}.toml"), format!("{name}-whole.h5"), format!("{name}-parts.h5"));
     let started = Instant::now();
@@ -261,7 +261,7 @@ fn resumed_is_whole(folder: &Path, name: &str, chance: &mut Chance) {
     let time = started.elapsed().as_secs_f64();
     let begin = ["run", &file, "-o", &parts, "--json", "--checkpoint", "2ms"];
     let resume = ["run", "--resume", parts.as_str(), "--json"];
-    // Times differ from run to run: one that was over before is run again.
+    // Computing times vary: a run that ends before it is interrupted is repeated.
     for _ in 0..40 {
         put_back(folder);
         let (mut interruptions, mut arguments) = (0, &begin[..]);
@@ -289,13 +289,14 @@ fn resumed_is_whole(folder: &Path, name: &str, chance: &mut Chance) {
                 let said = message(&output);
                 assert!(said.contains(if kept { &resume } else { "nothing can be resumed" }), "{said}");
             }
-            // Killed as its last act: the result is whole. Interrupted while it chose, or killed before the first checkpoint: from the start.
+            // If it was killed at its very end, the result is complete. If it was interrupted during the selection, or killed before the first
+            // checkpoint, it starts again.
             if !kept || has_ended(&folder.join(&parts)) {
                 break;
             }
             interruptions += 1;
             arguments = &resume;
-            // All that the scene needs is in the result.
+            // The result contains everything that the scene needs.
             for named in ["steel.toml", "copper.toml", "brittle.toml", "blow.csv", &file] {
                 std::fs::rename(folder.join(named), folder.join(format!("{named}.away"))).ok();
             }
@@ -357,7 +358,7 @@ fn an_estimate_of_the_error_goes_with_a_resumed_run() {
     assert_same(&folder.path().join("a.h5"), &folder.path().join("b.h5"), "with an estimate");
 }
 
-/// Takes an end against a bar with this impedance (N s/m) through some steps; what it did in each, and the energy that it holds then.
+/// Steps an end against a bar with this impedance (N s/m); returns its actions in each step, and its energy.
 fn push(end: &mut dyn EndModel, steps: std::ops::Range<u32>, impedance: f64) -> Vec<[u64; 3]> {
     let (dt, mut displacement, mut done) = (1e-6, 0.0, Vec::new());
     for k in steps {
@@ -391,14 +392,14 @@ fn every_kind_of_end_is_restored_from_its_state() {
         let [a, b] = [&mut whole, &mut resumed].map(|end| push(end.as_mut(), 60..120, face.impedance));
         assert_eq!(a, b, "{condition:?}");
     }
-    // Two strikers, a ball, and those whose velocity is prescribed and may be released.
+    // Two strikers, a ball, and ends with a prescribed velocity that may be released.
     assert!(with_state >= 4, "{with_state} kinds have a state");
 }
 
-/// Many frames, a few of them in every flush.
+/// Many frames, of which a few are written at a time.
 const MANY: &str = "frames = 1500\nfields = [\"stress\"]";
 
-/// All frames that are in a file.
+/// Returns all frames in a file.
 fn frames(path: &Path) -> Vec<Vec<u64>> {
     let file = ResultFile::open(path).expect("a killed run leaves a result that opens");
     let count = file.time().expect("times").len();
@@ -437,7 +438,7 @@ fn killed_at_any_moment(scene: &str, most: usize) {
     let begin = ["run", "many.toml", "-o", "k.h5", "--json", "--checkpoint", "1ms"];
     let resume = ["run", "--resume", "k.h5", "--json"];
     let mut arguments = &begin[..];
-    // How many of the kills come after the first checkpoint depends on what else the machine does.
+    // The number of kills after the first checkpoint depends on the load of the machine.
     while kills < most || (resumed <= most / 5 && kills < 20 * most) {
         let child = start(folder.path(), arguments);
         std::thread::sleep(Duration::from_secs_f64(time * (0.05 + 0.9 * chance.next())));
@@ -465,7 +466,7 @@ fn killed_at_any_moment(scene: &str, most: usize) {
                 assert!(kept.len() >= checkpoint.rows.frames, "{} frames of {:?}", kept.len(), checkpoint.rows);
             }
         }
-        // A third of them is run anew, in the place of what the kill left there.
+        // A third of the runs is repeated from the start, and replaces what the killed run left.
         let anew = checkpoint.is_none() || chance.next() < 0.3;
         arguments = if anew { &begin } else { &resume };
         resumed += usize::from(!anew);
@@ -490,7 +491,7 @@ fn files_that_never_got_their_name_are_removed() {
         "a.h5.checkpoint".to_owned(),
         ".a.h5.journal".to_owned(),
     ];
-    // Of a process that runs, of another result, and no file of this program.
+    // Files of a running process and of another result, and one that the program did not write.
     let kept = [format!(".a.h5.{}.tmp", std::process::id()), format!(".b.h5.{}.tmp", ended.id()), ".a.h5.x.tmp".into()];
     for name in stray.iter().chain(&kept) {
         std::fs::write(path(name), "stray").expect("written");
@@ -525,7 +526,7 @@ fn a_run_of_few_steps_and_millions_of_frames_stops_when_asked() {
         signal(&child, name);
         let output = child.wait_with_output().expect("it ends");
         assert_eq!(output.status.code(), Some(130), "{}", message(&output));
-        // It takes 20 ms beside what waits to be written. The rest is for machines that do other things, too.
+        // An interruption takes about 20 ms beside the data that remain to be written; the rest is for machines under load.
         assert!(asked.elapsed() < Duration::from_secs(4), "{:?}", asked.elapsed());
         let file = ResultFile::open(&folder.path().join("a.h5")).expect("a result");
         assert_eq!(file.metadata().outcome, "interrupted");
@@ -535,12 +536,12 @@ fn a_run_of_few_steps_and_millions_of_frames_stops_when_asked() {
     }
 }
 
-/// Bytes of a file, 0 where there is none.
+/// Returns the size of a file, bytes; 0 if it does not exist.
 fn frames_in(path: &Path) -> u64 {
     std::fs::metadata(path).map_or(0, |metadata| metadata.len())
 }
 
-/// An interrupted run of a bar: its checkpoint.
+/// Interrupts the run of a bar and returns its checkpoint.
 fn interrupted(folder: &Path, output: &str) -> PathBuf {
     let child = start(folder, &["run", "long.toml", "-o", output, "--checkpoint", "1ms"]);
     while !folder.join(format!("{output}.checkpoint")).exists() {
@@ -610,7 +611,7 @@ fn what_cannot_be_resumed_is_one_error() {
     refused(&["--resume", "a.h5"], &["is the checkpoint of another run"]);
     std::fs::remove_file(&checkpoint).expect("removed");
     refused(&["--resume", "a.h5"], &["there is no checkpoint", "--checkpoint 60s"]);
-    // With its own one back it is resumed as ever.
+    // With its own checkpoint restored, it can be resumed.
     std::fs::write(&checkpoint, &whole).expect("written");
     let output = barwave(folder.path(), &["run", "--resume", "a.h5"]);
     assert!(output.status.success(), "{}", message(&output));

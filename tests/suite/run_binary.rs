@@ -1,4 +1,4 @@
-//! Every scene in runs/ through the real binary, and what `barwave run` promises of its output.
+//! Every scene in runs/ through the real binary, and the properties of the output of `barwave run`.
 
 use crate::common::binary;
 
@@ -12,12 +12,12 @@ fn runs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("runs")
 }
 
-/// `barwave run` of a scene of runs/ with `--json`, in a folder of its own.
+/// Runs a scene of runs/ with `--json` in a folder of its own and returns the summary.
 fn run(name: &str, arguments: &[&str]) -> Value {
     run_in(name, tempfile::tempdir().expect("a folder").path(), arguments)
 }
 
-/// The same in this folder; the result is its `out.h5`.
+/// Runs a scene of runs/ in this folder, with the result `out.h5`, and returns the summary.
 fn run_in(name: &str, folder: &Path, arguments: &[&str]) -> Value {
     let scene = runs().join(name).display().to_string();
     let all: Vec<&str> =
@@ -27,7 +27,7 @@ fn run_in(name: &str, folder: &Path, arguments: &[&str]) -> Value {
     assert!(output.stderr.is_empty(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     let file = barwave::record::store::ResultFile::open(&folder.join("out.h5"));
     assert!(file.is_ok(), "{name}: the result file does not open");
-    // One JSON value and nothing else: anything after it is an error here.
+    // Stdout must contain exactly one JSON value: anything after it is an error here.
     serde_json::from_slice(&output.stdout).expect("stdout is one JSON value")
 }
 
@@ -75,7 +75,7 @@ fn assert_keys(value: &Value, keys: &[&str], what: &str) {
     assert!(missing.is_empty(), "{what}: no {missing:?}");
 }
 
-/// Everything that holds for every scene.
+/// Checks the properties of the summary of every scene.
 fn assert_contract(summary: &Value, name: &str) {
     assert_keys(summary, &KEYS, name);
     for side in ["left", "right"] {
@@ -96,12 +96,12 @@ fn assert_contract(summary: &Value, name: &str) {
     assert_eq!((&summary["method"], &summary["scheme"]), (&method.into(), &scheme.into()), "{name}");
     for key in ["energy_residual", "momentum_residual"] {
         let residual = number(&summary["ledger"][key]);
-        // With a front tolerance, nodes nearer than 1e-8 of it (times the length) are taken as one.
+        // With a front tolerance, nodes closer than 1e-8 of it (times the length) count as one.
         let bound = if tracked { 1e-7 } else { 1e-10 };
         assert!(residual.abs() < bound, "{name}: {key} {residual:e}");
     }
     for key in ["cells", "steps", "step_wall_s", "cell_steps_per_s", "end_time_s"] {
-        // Front tracking has no cells, and a run in which no fronts meet no events.
+        // Front tracking has no cells, and a run in which no fronts interact has no events.
         let zero = tracked && ["cells", "steps", "cell_steps_per_s"].contains(&key);
         assert!(number(&summary[key]) > 0.0 || zero, "{name}: {key}");
     }
@@ -111,10 +111,10 @@ fn assert_contract(summary: &Value, name: &str) {
     }
 }
 
-/// Fronts that could be followed run at the speed of theory. Returns how many there were.
+/// Checks that fronts that could be followed have the theoretical speed. Returns their number.
 ///
-/// A front is a few cells wide, and its place is where the strain passes the middle of its jump: over 100 cells and more
-/// that is good for 2 % of its way.
+/// A front is a few cells wide, and its position is where the strain passes the middle of its jump: over at least 100 cells, this determines the
+/// distance to 2 %.
 fn assert_speeds(summary: &Value, cell: f64, origin: f64, name: &str) -> usize {
     let mut followed = 0;
     for front in summary["fronts"].as_array().expect("a list") {
@@ -131,7 +131,7 @@ fn assert_speeds(summary: &Value, cell: f64, origin: f64, name: &str) -> usize {
     followed
 }
 
-/// Runs a scene of one fan from an end of the bar: place of the origin, length, and how many fronts can be followed.
+/// Runs a scene with one fan from an end of the bar; `origin` and `length` are in m, `least_fronts` is the number of fronts that can be followed.
 fn check(name: &str, [origin, length]: [f64; 2], least_fronts: usize) -> Value {
     let summary = run(name, &[]);
     assert_contract(&summary, name);
@@ -148,7 +148,7 @@ fn elastic_check() {
     let summary = check("elastic-check.toml", [0.0, 1.0], 1);
     let check = &summary["elastic_check"];
     assert!(number(&check["relative"]) < 1e-12, "{check}");
-    // As printed in the scene.
+    // Value stated in the scene.
     assert!((number(&check["expected_Pa"]) + 394.968e6).abs() < 500.0, "{check}");
     assert!(number(&summary["error"]["value"]) < 1e-12);
     assert_eq!((&summary["outcome"], &summary["effects"]), (&"done".into(), &Value::Array(vec![])));
@@ -159,7 +159,7 @@ fn bilinear_p2() {
     let summary = check("bilinear-p2.toml", [0.0, 1.0], 2);
     assert!(summary["elastic_check"].is_null());
     assert_eq!(summary["effects"], serde_json::json!(["plasticity", "hardening: isotropic"]));
-    // The bound of the benchmark at 1000 cells.
+    // Bound of the benchmark with 1000 cells.
     assert!(number(&summary["error"]["value"]) < 0.0036);
 }
 
@@ -190,7 +190,7 @@ fn auto_finds_effects_and_says_why() {
     }
     let effects = summary["effects"].to_string();
     assert!(effects.contains("rate: material") && effects.contains("hardening: isotropic"), "{effects}");
-    // What is left is below the tolerance, or not known, or a limit of the hardening rules that no effect takes away.
+    // What remains is below the tolerance, or unknown, or a limitation of the hardening rules that no effect removes.
     for row in summary["audit"].as_array().expect("a list") {
         let estimate = row["estimate"].as_f64().unwrap_or(0.0);
         assert!(estimate < number(&row["threshold"]) || row["effect"] == "reversal", "{row}");
@@ -212,7 +212,7 @@ fn spall() {
     assert_eq!(summary["outcome"], "rupture");
     let [rupture] = &summary["ruptures"].as_array().expect("a list")[..] else { panic!("{}", summary["ruptures"]) };
     assert_eq!((&rupture["cause"], &rupture["site"]), (&"spall".into(), &"segment 1".into()));
-    // Half the pulse's length off the free end, to a cell.
+    // Half the length of the pulse from the free end, to a cell.
     assert!((number(&rupture["x_m"]) - 0.18).abs() < 2.1e-4, "{rupture}");
     // Grids fracture some steps late; front tracking does not.
     assert!(summary["audit"].to_string().contains("leaves tensile pulses of up to 800 MPa"), "{}", summary["audit"]);
@@ -234,11 +234,11 @@ fn love_rod() {
     let with = run("love-rod.toml", &[]);
     assert_contract(&with, "love-rod.toml");
     assert_eq!(with["effects"], serde_json::json!(["lateral-inertia"]));
-    // The elastic check and the self-similar solution know no lateral inertia.
+    // The elastic check and the self-similar solution do not include lateral inertia.
     assert!(with["elastic_check"].is_null() && with["error"].is_null());
     let without = run("love-rod.toml", &["--set", "effects.lateral-inertia=false"]);
     assert_eq!(without["effects"], serde_json::json!([]));
-    // It comes later than by the plain theory: the front is spread over a few diameters.
+    // The front arrives later than without lateral inertia, since it spreads over a few diameters.
     let speed = |summary: &Value| number(&summary["fronts"][0]["speed_measured_m_s"]);
     assert!(speed(&with) < 0.999 * speed(&without) && speed(&with) > 0.98 * speed(&without), "{}", speed(&with));
 }
@@ -260,7 +260,7 @@ fn copper_heated() {
     assert!(number(&summary["left"]["stress_Pa"]) < number(&cold["left"]["stress_Pa"]));
     assert!(number(&summary["left"]["strain"]) > number(&cold["left"]["strain"]));
     let tracked = by_characteristics("copper-heated.toml");
-    // Next to the end the grid's strain is a fifth cell's; the stress overshoots there.
+    // Next to the end, the strain of the grid is too large by a fifth, since the stress overshoots there.
     assert!((number(&tracked["largest_temperature_rise_K"]) / rise - 1.0).abs() < 0.2, "{rise}");
     assert!((number(&tracked["left"]["stress_Pa"]) / number(&summary["left"]["stress_Pa"]) - 1.0).abs() < 1e-3);
 }
@@ -271,14 +271,14 @@ fn damped_bar() {
     assert_contract(&summary, "damped-bar.toml");
     let effects = summary["effects"].to_string();
     assert!(effects.contains("damping: internal = ") && effects.contains("foundation = "), "{effects}");
-    // The weight has bounced off.
+    // The weight has rebounded.
     assert!(number(&summary["left"]["striker_velocity_m_s"]) < 0.0);
 }
 
 #[test]
 fn mild_steel_wall() {
     let summary = check("mild-steel-wall.toml", [0.2, 0.2], 1);
-    // It has left the wall and flies back, slower than it came.
+    // It has left the wall and moves back, more slowly than it arrived.
     assert_eq!(number(&summary["right"]["stress_Pa"]), 0.0);
     let velocity = number(&summary["right"]["velocity_m_s"]);
     assert!(velocity < 0.0 && velocity > -60.0, "{velocity}");
@@ -301,7 +301,7 @@ fn precursor(name: &str) {
     let summary: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
     assert_contract(&summary, name);
     assert_eq!(summary["method"] == "fd", name.contains("on-the-grid"), "{name}");
-    // Momentum and energy balance to the rounding of 8e6 cell-steps.
+    // Balances of momentum and energy close to the rounding of 8e6 cell-steps.
     assert!(number(&summary["ledger"]["energy_residual"]) < 1e-12, "{summary}");
     let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
     let (c0, rho_c0): (f64, f64) = ((207e9_f64 / 7850.0).sqrt(), (207e9_f64 * 7850.0).sqrt());
@@ -309,7 +309,7 @@ fn precursor(name: &str) {
     for gauge in file.gauges().expect("gauges") {
         let front = elastic_limit + (rho_c0 * 20.0 - elastic_limit) * (-1e5 * gauge.x / (2.0 * c0)).exp();
         let peak = gauge.trace.stress.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
-        // The gauge stands between two cells of 0.1 mm, k dt = 2e-3: a step and a cell make some 1e-3 of the overstress.
+        // The gauge is between two cells of 0.1 mm, k dt = 2e-3: a step and a cell correspond to about 1e-3 of the overstress.
         assert!((peak / front - 1.0).abs() < 2e-3, "{}: {peak:e} {front:e}", gauge.name);
     }
 }
@@ -330,7 +330,7 @@ fn stepped_bar() {
     assert_eq!((&summary["above_critical"], &summary["effects"]), (&false.into(), &Value::Array(vec![])));
 }
 
-/// The summary prints the final length; `tests/suite/taylor_cylinders.rs` compares it with measurements.
+/// The summary states the final length; `tests/suite/taylor_cylinders.rs` compares it with measurements.
 #[test]
 fn taylor_cylinder() {
     let summary = run("taylor-6061-t6.toml", &[]);
@@ -358,13 +358,13 @@ fn tapered_horn() {
         assert_contract(&summary, "tapered-horn.toml");
         assert_eq!(summary["effects"], serde_json::json!(["plasticity", "hardening: isotropic"]));
         let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
-        // From the front on, before anything comes back from the free end.
+        // From the arrival of the front until the first wave returns from the free end.
         let gauges = file.gauges().expect("gauges");
         let tip = gauges.iter().find(|gauge| gauge.name == "tip").expect("a gauge");
         let early = tip.trace.time.iter().zip(&tip.trace.velocity).filter(|(t, _)| **t < 110e-6);
         *peak = early.map(|(_, v)| *v).fold(0.0, f64::max);
     }
-    // Stresses inside pieces of the staircase are off by up to 2 %, velocities by less.
+    // Stresses within pieces of the staircase have errors of up to 2 %, velocities smaller ones.
     assert!(peaks[0] > 4.0 && (peaks[0] / peaks[1] - 1.0).abs() < 0.02, "{peaks:?}");
 }
 
@@ -377,7 +377,7 @@ fn torsion_tube() {
         assert_eq!(summary["effects"], serde_json::json!(["plasticity", "hardening: isotropic"]));
         let torsion = &summary["torsion"];
         assert!((number(&torsion["radius_m"]) - 0.012).abs() < 1e-15);
-        // Let go, it carries no torque.
+        // After the release, it has no torque.
         assert_eq!(number(&torsion["torque_N_m"][0]), 0.0);
         let speed = (45e9_f64 / 8900.0).sqrt();
         assert!((number(&summary["fronts"][0]["speed_m_s"]) / speed - 1.0).abs() < 1e-12);
@@ -392,7 +392,7 @@ fn stored_torque() {
     let file = barwave::record::store::ResultFile::open(&folder.path().join("out.h5")).expect("a result file");
     let gauges = file.gauges().expect("gauges");
     let pulse = &gauges.iter().find(|gauge| gauge.name == "pulse").expect("a gauge").trace;
-    // Half the stored stress, from 1 m of way on, for the time that a wave takes to the clamped end and back.
+    // Half the stored stress, from 1 m of travel on, for the time that a wave takes to the clamped end and back.
     let c0 = (27e9_f64 / 2810.0).sqrt();
     for (&time, &stress) in pulse.time.iter().zip(&pulse.stress) {
         let [start, end] = [1.0 / c0, 3.0 / c0];
@@ -417,7 +417,7 @@ fn torsion_rod() {
         assert_eq!(names, ["steel, rod", "steel, tube of diameter ratio 0.6"]);
         assert!(file.fields().contains(&barwave::record::Field::Torque));
     }
-    // The bored part has 87 % of the torque: what comes back from the joint has hardly reached the flywheel.
+    // The bored part has 87 % of the torque: the reflection from the joint has hardly reached the flywheel.
     assert!(torques[0] < -300.0 && (torques[0] / torques[1] - 1.0).abs() < 0.01, "{torques:?}");
 }
 
@@ -435,7 +435,7 @@ fn bilinear_p2_moc() {
         let ratio = number(&front["speed_measured_m_s"]) / number(&front["speed_m_s"]);
         assert!((ratio - 1.0).abs() < 1e-12, "{front}");
     }
-    // Before anything comes back the run is held against the exact solution.
+    // Before any reflection, the run is compared with the exact solution.
     let short = run("bilinear-p2-moc.toml", &["--set", "solve.until=\"157.98734 us\""]);
     assert!(number(&short["error"]["value"]) < 1e-14, "{}", short["error"]);
 }
@@ -457,7 +457,7 @@ fn copper_released() {
     assert_contract(&summary, "copper-released.toml");
     assert_eq!(summary["outcome"], "done");
     assert!(number(&summary["events"]) > 1000.0);
-    // Let go and with a free far end: nothing pulls any more.
+    // Released, and with a free far end: both stresses are zero.
     assert_eq!((number(&summary["left"]["stress_Pa"]), number(&summary["right"]["stress_Pa"])), (0.0, 0.0));
 }
 
@@ -465,15 +465,15 @@ fn copper_released() {
 fn lock_up() {
     let summary = check("lock-up.toml", [0.0, 1.0], 2);
     let shock = &summary["fronts"][1];
-    // As printed in the scene. The shock overshoots by a little in its cells, and plastic flow keeps that as strain: 0.3 %.
+    // Value stated in the scene. The shock overshoots a little in its cells, and plastic flow retains this as strain: 0.3 %.
     assert!((number(&shock["speed_m_s"]) - 170.2513).abs() < 1e-3, "{shock}");
     assert!((number(&shock["speed_measured_m_s"]) / 170.2513 - 1.0).abs() < 5e-3, "{shock}");
     assert!(number(&summary["error"]["value"]) < 1e-2, "{}", summary["error"]);
     assert!((number(&summary["left"]["stress_Pa"]) / -5e6 - 1.0).abs() < 1e-2, "{}", summary["left"]);
 }
 
-/// Artificial viscosity makes a shock a few cells wide; elastic waves of a few cells behind it decay. The shock is a little slow: its cells
-/// overshoot, and plastic flow keeps that as strain. What is left does not fall with the cell size, but with the time step.
+/// Artificial viscosity makes a shock a few cells wide; elastic waves of a few cells behind it decay. The shock is a little slow, since its cells
+/// overshoot and plastic flow retains this as strain. The remaining error decreases not with the cell size, but with the time step.
 #[test]
 fn lock_up_by_leapfrog() {
     for (cfl, error, speed) in [("1", 2.4e-2, 0.023), ("0.5", 2e-2, 0.016), ("0.125", 1.3e-2, 0.009)] {
@@ -486,7 +486,7 @@ fn lock_up_by_leapfrog() {
     }
 }
 
-/// Scenes written for other methods, by the conservative scheme.
+/// Scenes written for other methods, with the conservative scheme.
 #[test]
 fn muscl_runs_what_leapfrog_runs() {
     let set = ["--set", "solve.scheme=muscl", "--set", "solve.method=fd", "--set", "solve.cells=1000"];
@@ -505,25 +505,25 @@ fn falling_weight() {
     for (velocity, sets) in velocities.iter_mut().zip([&[][..], &fd[..]]) {
         let summary = run("falling-weight.toml", sets);
         assert_contract(&summary, "falling-weight.toml");
-        // It has left: nothing acts on the struck end any more, and it flies back.
+        // The striker has separated: nothing acts on the struck end any more, and it moves back.
         assert_eq!(number(&summary["left"]["stress_Pa"]), 0.0);
         assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
         assert!(number(&summary["ledger"]["energy_residual"]) < 1e-10, "{summary}");
         *velocity = number(&summary["left"]["striker_velocity_m_s"]);
         assert!(summary["right"].get("striker_velocity_m_s").is_none());
     }
-    // Both are of second order, in steps of a thousandth or so.
+    // Both are of second order, in steps of about a thousandth.
     assert!(velocities[0] < -3.0 && (velocities[0] / velocities[1] - 1.0).abs() < 1e-4, "{velocities:?}");
 }
 
-/// J.
+/// Foot-pound, J.
 const FOOT_POUND: f64 = 1.355_817_948_331_400_4;
 
 #[test]
 fn energy_method() {
     let folder = tempfile::tempdir().expect("a folder");
     let light = ["--set", "striker.mass=50 lb", "--set", "striker.velocity=30 ft/s"];
-    // (arguments, outcome, energies in ft lbf, threshold and residual velocity in ft/s), as printed to four digits.
+    // (arguments, outcome, energies in ft lbf, threshold and residual velocity in ft/s), as printed with four digits.
     for (sets, outcome, available, threshold, residual) in
         [(&[][..], "rupture", 19_892.0, 17.77, 78.0), (&light[..], "done", 699.3, 35.55, 0.0)]
     {
@@ -541,7 +541,7 @@ fn energy_method() {
         assert_eq!(summary["breaks"], outcome == "rupture");
         assert!(summary["strain"].is_null());
     }
-    // Sentences have the units of the rest.
+    // Sentences use the units of the rest.
     let auto = runs().join("copper-auto.toml").display().to_string();
     let output = barwave(folder.path(), &["run", &auto, "--units", "us", "-o", "auto.h5"]);
     let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
@@ -558,7 +558,7 @@ fn energy_method() {
     assert!(String::from_utf8_lossy(&drawn.stderr).contains("nothing to plot"));
 }
 
-/// Their numbers are in tests/suite/impacts.rs.
+/// `tests/suite/impacts.rs` tests their numbers.
 #[test]
 fn other_impacts() {
     for name in [
@@ -585,7 +585,7 @@ fn ball_on_lever() {
     let summary = run("ball-on-lever.toml", &[]);
     assert_contract(&summary, "ball-on-lever.toml");
     assert!(number(&summary["ledger"]["energy_residual"]) < 1e-10, "{summary}");
-    // Of 2 m/s the shaft takes nearly all (tests/suite/hertz_on_bars.rs has the sum over modes).
+    // The shaft absorbs almost all of the 2 m/s (tests/suite/hertz_on_bars.rs has the sum over modes).
     let velocity = number(&summary["left"]["striker_velocity_m_s"]);
     assert!(velocity.abs() < 0.05 * 2.0, "{velocity}");
 }
@@ -595,7 +595,7 @@ fn split_hopkinson() {
     for sets in [&[][..], &["--set", "solve.method=moc", "--set", "solve.cells="]] {
         let summary = run("split-hopkinson.toml", sets);
         assert_contract(&summary, "split-hopkinson.toml");
-        // The striker is left at rest; the transmission bar is on its way.
+        // The striker is at rest; the transmission bar is moving.
         assert!(number(&summary["left"]["velocity_m_s"]).abs() < 0.01, "{summary}");
         assert!(number(&summary["right"]["velocity_m_s"]) > 1.0, "{summary}");
         assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
@@ -609,7 +609,7 @@ fn ball_on_bar() {
     assert_contract(&summary, "ball-on-bar.toml");
     assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
     assert!(number(&summary["ledger"]["energy_residual"]) < 1e-10, "{summary}");
-    // On a rod that does not move it would leave with 5 m/s; the rod takes a sixth of that (tests/suite/ball.rs has the equation).
+    // On a rigid rod it would rebound with 5 m/s; the rod absorbs a sixth of that (tests/suite/ball.rs has the equation).
     let velocity = number(&summary["left"]["striker_velocity_m_s"]);
     assert!((-4.12..-4.10).contains(&velocity), "{velocity}");
     let fast = ["--set", "effects.rate={ model = \"malvern\", k = 1e6 }"];
@@ -629,7 +629,7 @@ fn striker_bar() {
     {
         let summary = run("striker-bar.toml", sets);
         assert_contract(&summary, "striker-bar.toml");
-        // The short bar stays where it hit, the long one goes on; there is nothing else that could take momentum.
+        // The short bar comes to rest where it strikes, and the long one moves on; nothing else could have momentum.
         assert_eq!(number(&summary["left"]["stress_Pa"]), 0.0);
         assert!(number(&summary["left"]["velocity_m_s"]).abs() < 0.02, "{summary}");
         assert!(number(&summary["ledger"]["momentum_residual"]) < 1e-10, "{summary}");
@@ -644,7 +644,7 @@ fn the_energy_method_s_lighter_weight_does_not_break_the_bar() {
     assert_eq!(holds["outcome"], "done", "{holds}");
 }
 
-/// As a tracked run of a scene written for the grid.
+/// Runs a scene written for the grid with front tracking.
 fn by_characteristics(name: &str) -> Value {
     let sets = ["--set", "solve.method=moc", "--set", "solve.front-tolerance=0"];
     let text = std::fs::read_to_string(runs().join(name)).expect("the scene");
@@ -671,8 +671,8 @@ fn both_methods_tell_the_same_story_above_the_critical_velocity() {
         assert_eq!(grid[key], tracked[key], "{key}");
     }
     assert_eq!(tracked["outcome"], "rupture");
-    // The break at the pulled end at t = 0 is told in the same words. That the strain goes past the data in the first
-    // cell is the grid's alone: here it gathers at a point.
+    // The note on the fracture of the pulled end at t = 0 is the same. Only the grid has strain beyond the data in the first cell: here, it is
+    // concentrated at a point.
     let [of_grid, of_tracked] = [&grid, &tracked].map(|summary| {
         let mut rows = summary["audit"].as_array().expect("a list").iter();
         rows.find(|row| row["effect"] == "rupture").expect("a row on rupture")
@@ -680,15 +680,15 @@ fn both_methods_tell_the_same_story_above_the_critical_velocity() {
     let message = &of_tracked["message"];
     assert!(message.as_str().is_some_and(|m| m.contains("fractures there at t = 0")), "{message}");
     assert_eq!((of_grid, of_tracked["estimate"].as_f64()), (of_tracked, Some(1.0)));
-    // The bar goes on under the ultimate stress: the same to the grid's accuracy.
+    // The run continues with the end stress held at the ultimate stress: the same to the accuracy of the grid.
     let ratio = number(&grid["left"]["stress_Pa"]) / number(&tracked["left"]["stress_Pa"]);
     assert!((ratio - 1.0).abs() < 1e-4, "{ratio}");
-    // Its own edge can follow only as fast as the waves carry strain away: at the critical velocity.
+    // The edge of the bar follows only as fast as waves transmit strain: at the critical velocity.
     let (edge, critical) = (number(&tracked["left"]["velocity_m_s"]), number(&tracked["critical_velocity_m_s"]));
     assert!((edge / -critical - 1.0).abs() < 1e-9, "{edge}");
 }
 
-/// Critical velocity 20.3 m/s: 5.1 m/s up to yield and 15.2 m/s on to the largest stress. The left end pulls at 14 m/s.
+/// Critical velocity 20.3 m/s: 5.1 m/s up to yield and 15.2 m/s up to the largest stress. The left end pulls at 14 m/s.
 const WEAK: &str = r#"
 [bar]
 length = 1
@@ -708,7 +708,7 @@ SOLVE
 #[test]
 fn both_methods_tell_the_same_story_where_waves_meet_above_the_critical_velocity() {
     let folder = tempfile::tempdir().expect("a folder");
-    // Where the waves meet, at a fixed end or half-way, the stress is that of twice 14 m/s.
+    // Where the waves meet, at a fixed end or in the middle, the stress is that of twice 14 m/s.
     for right in ["kind = \"fixed\"", "kind = \"velocity\"\nvalue = 14"] {
         let [grid, tracked] = ["cells = 1000", "method = \"moc\""].map(|solve| -> Value {
             let text = WEAK.replace("RIGHT", right).replace("SOLVE", solve);
@@ -749,7 +749,7 @@ fn an_event_budget_that_runs_out_keeps_the_frames() {
     assert!(!file.paths().expect("paths").is_empty() && !file.fronts().expect("fronts").is_empty());
 }
 
-/// All elastic.
+/// Two elastic bars and a striker.
 const TWO_BARS: &str = r#"
 [[bar.segment]]
 length = 1
@@ -770,20 +770,20 @@ until = 0.0015
 method = "moc"
 "#;
 
-/// The message of the two bars that run out of events.
+/// Returns the message of the run of the two bars, which exceeds its event limit.
 fn out_of_events(settings: &str) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("scene.toml"), TWO_BARS.to_owned() + settings).expect("a file");
     binary::failed(folder.path(), &["run", "scene.toml"], 1)
 }
 
-/// The front tolerance that such a message advises.
+/// Returns the front tolerance that such a message recommends.
 fn advised(message: &str) -> &str {
     let advised = message.split("set front-tolerance = ").nth(1).and_then(|rest| rest.split(' ').next());
     advised.unwrap_or_else(|| panic!("{message}"))
 }
 
-/// Two bars and a striker: 2.1e-3 was advised, with which the run took a seventh of its events.
+/// The recommended front tolerance uses most of the events; 2.1e-3 would use only a seventh.
 #[test]
 fn the_front_tolerance_that_is_advised_uses_the_events() {
     let message = out_of_events("max-events = 1000000\nfront-tolerance = 1e-4\n");
@@ -795,7 +795,7 @@ fn the_front_tolerance_that_is_advised_uses_the_events() {
     assert!((250_000..=1_000_000).contains(&events), "{set}: {events}");
 }
 
-/// Stresses are off by about the front tolerance: 0.5 was advised.
+/// The error of stresses is about the front tolerance, so that 0.5 must not be recommended.
 #[test]
 fn no_front_tolerance_is_advised_that_makes_large_errors() {
     let message = out_of_events("max-events = 10000\n");
@@ -806,7 +806,7 @@ fn no_front_tolerance_is_advised_that_makes_large_errors() {
     assert!(message.contains(help), "{message}");
 }
 
-/// The audit notes what grids leave behind a fracture: `notes` of `--json` left it out, as it did all that the audit found.
+/// The audit notes what grids leave behind a fracture: `notes` of `--json` must contain this and all other findings of the audit.
 #[test]
 fn the_notes_of_json_are_those_of_the_text() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -820,7 +820,7 @@ fn the_notes_of_json_are_those_of_the_text() {
     assert_eq!(json["notes"], serde_json::json!(printed));
 }
 
-/// Only sharp waves need to cross a cell in just a step.
+/// Only sharp waves need to cross a cell in exactly one step.
 #[test]
 fn plans_state_by_how_much_transit_times_are_rounded() {
     let dir = tempfile::tempdir().expect("a folder");
@@ -877,7 +877,7 @@ fn no_scene_of_runs_is_left_out() {
     }
 }
 
-/// A small scene in a folder of its own.
+/// Returns a small scene in a folder of its own.
 fn small_scene() -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a folder");
     let text = "[bar]\nlength = 1\nmaterial = \"mild-steel\"\n[left]\nkind = \"velocity\"\nvalue = -1\n\
@@ -921,7 +921,7 @@ fn quiet_prints_nothing() {
     assert!(String::from_utf8_lossy(&loud.stdout).contains("ledger"));
 }
 
-/// Exit code 2, nothing on stdout, and a message with the words and a help line.
+/// Checks that the exit code is 2, stdout is empty, and the message contains the words and help.
 fn assert_refused(output: &Output, words: &[&str]) {
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{message}");
@@ -936,7 +936,7 @@ fn wrong_places_are_refused() {
     assert_eq!(refused.status.code(), Some(1), "{}", String::from_utf8_lossy(&refused.stderr));
     assert_refused(&barwave(folder.path(), &["run", &scene, "-o", "."]), &["is a folder"]);
     assert_refused(&barwave(folder.path(), &["run", "smal.toml"]), &["smal.toml", "no such file"]);
-    // Above all not in place of the scene.
+    // In particular, the scene must not be replaced.
     let before = std::fs::read(folder.path().join(&scene)).expect("a scene");
     assert_refused(&barwave(folder.path(), &["run", &scene, "-o", &scene]), &["is a file that this command reads"]);
     assert_eq!(std::fs::read(folder.path().join(&scene)).expect("a scene"), before);
@@ -950,12 +950,12 @@ fn wrong_places_are_refused() {
     }
     let wrong = ["run", &scene, "--set", "solve.cfl=1.5"];
     assert_refused(&barwave(folder.path(), &wrong), &["solve.cfl", "1.5", "0 < cfl <= 1"]);
-    // Nothing is left behind.
+    // No file is left.
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
 }
 
-/// A segment of less than a cell brings the step of the whole bar down. Every command that reads such a scene says so, and the result
-/// file keeps it.
+/// A segment shorter than a cell reduces the time step of the whole bar. Every command that reads such a scene notes this, and the result file stores
+/// the note.
 #[test]
 fn a_segment_shorter_than_a_cell_is_noted() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -991,8 +991,8 @@ fn a_segment_shorter_than_a_cell_is_noted() {
     }
 }
 
-/// A perfectly plastic rod in torsion. Stresses at faces beyond those that the curve can carry drove the Godunov scheme to strains
-/// of 158 with energy out of nothing. All of the imposed rotation in one cell is a strain of 0.42.
+/// A perfectly plastic rod in torsion. Stresses at faces beyond those that the curve can carry would drive the Godunov scheme to strains of 158 with
+/// energy from nothing. The whole imposed rotation in one cell is a strain of 0.42.
 #[test]
 fn a_perfectly_plastic_rod_in_torsion_keeps_its_energy() {
     let folder = tempfile::tempdir().expect("a folder");

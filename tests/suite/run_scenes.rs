@@ -1,4 +1,4 @@
-//! The scenes in runs/ are what their comments say, by the exact solution for a suddenly moved end.
+//! The scenes in runs/ agree with their comments, according to the exact solution for a suddenly moved end.
 
 use std::path::{Path, PathBuf};
 
@@ -12,11 +12,11 @@ fn scene(name: &str) -> Scene {
     Scene::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Velocity of the left end, and the curve of the sense in which it loads the bar.
+/// Returns the velocity of the left end, and the sense in which it loads the bar.
 fn driven(scene: &Scene) -> (f64, Sense) {
     let EndCondition::Velocity { history, .. } = &scene.left else { panic!("the left end has no velocity") };
     let velocity = history.extreme();
-    // A left end that moves in +x compresses.
+    // A left end that moves in +x compresses the bar.
     (velocity.abs(), Sense::of(-velocity))
 }
 
@@ -43,7 +43,7 @@ fn the_copper_scenes_lie_on_both_sides_of_the_critical_velocity() {
 fn the_elastic_scene_reaches_rho_c0_v() {
     let fan = fan(&scene("elastic-check.toml"));
     assert_eq!(fan.edges.len(), 1);
-    // The reference is printed with six digits.
+    // The reference has six digits.
     assert!((fan.stress - 394.968e6).abs() < 0.5e3, "{}", fan.stress);
 }
 
@@ -54,15 +54,15 @@ fn the_bilinear_scene_has_its_plateau_and_two_fronts() {
     assert_eq!(fan.edges.len(), 2);
     assert!((fan.stress - 386.554e6).abs() < 0.5e3, "{}", fan.stress);
     assert!((fan.edges[1].speed - 1601.28).abs() < 0.005, "{}", fan.edges[1].speed);
-    // 0.8 L/c0, as printed to seven digits.
+    // 0.8 L/c0, stated with seven digits.
     assert!((scene.solve.until / scene.bar.transit_time() - 0.8).abs() < 1e-7);
 }
 
 #[test]
 fn the_power_law_scene_has_its_plateau() {
     let fan = fan(&scene("power-law-p3.toml"));
-    // The table follows the law to 1e-4 of its largest stress, 437 MPa at a strain of 0.05. Over the slope at the
-    // plateau, 4.7 GPa, that is a strain of 0.9e-5; twice that, since the velocity integral moves too.
+    // The table follows the law to 1e-4 of its largest stress, 437 MPa at a strain of 0.05. Divided by the slope at the plateau, 4.7 GPa, this is a
+    // strain of 0.9e-5; twice that, since the velocity integral changes, too.
     assert!((fan.stress - 341.022e6).abs() < 1e-4 * 437e6, "{}", fan.stress);
     assert!((fan.strain - 1.441_32e-2).abs() < 1.8e-5, "{}", fan.strain);
 }
@@ -81,7 +81,7 @@ fn the_copper_bar_is_let_go_after_one_transit_and_followed_for_ten() {
     let scene = scene("copper-released.toml");
     let EndCondition::Velocity { release: Some(release), .. } = &scene.left else { panic!("it is let go") };
     let transit = scene.bar.transit_time();
-    // As printed to seven digits.
+    // Stated with seven digits.
     assert!((release / transit - 1.0).abs() < 2e-7, "{}", release / transit);
     assert!((scene.solve.until / transit - 10.0).abs() < 2e-6, "{}", scene.solve.until / transit);
 }

@@ -1,4 +1,4 @@
-//! The effect `rupture`: where and when bars break, against theory and method against method.
+//! The effect `rupture`: time and position of fractures, against theory and between methods.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -12,7 +12,7 @@ use barwave::solver::moc::Settings;
 
 const STEEL: &str =
     r#"{ name = "s", density = 8000, modulus = 200e9, beyond = "extend", curve = { table = [[0.01, 2e9]] } }"#;
-/// Yields at 200 MPa, hardens, and has its largest stress at a strain of 0.1.
+/// Material that yields at 200 MPa, hardens, and has its largest stress at a strain of 0.1.
 const SOFT: &str = r#"{ name = "soft", density = 8000, modulus = 200e9, beyond = "rupture", curve = { table = [[0.001, 200e6], [0.02, 260e6], [0.05, 290e6], [0.1, 310e6], [0.2, 300e6]] } }"#;
 
 fn scene(text: &str) -> Scene {
@@ -36,7 +36,7 @@ fn stepped(scene: &Scene) -> barwave::solver::fd::Leapfrog {
 }
 
 fn tracked(scene: &Scene) -> barwave::solver::moc::FrontTracking {
-    // Steps of 1e-3 of the peak; the finest, of a tenth of that, make a hundred times as many crossings.
+    // Steps of 1e-3 of the peak; steps of a tenth of that would cause a hundred times as many interactions.
     let settings = Settings { ramp_step: Some(1e-3), ..Settings::default() };
     let mut bar = assemble::front_tracking(scene, settings);
     bar.advance_to(scene.solve.until).expect("within the budget");
@@ -53,8 +53,8 @@ fn both(material: &str, left: &str, right: &str, effects: &str, until: f64) -> [
 const PULSE: &str = "kind = \"stress\"\nhistory = [[0, -800e6], [8e-6, -800e6], [8e-6, 0]]";
 const FREE: &str = "kind = \"free\"";
 
-/// A rectangular pulse of length l breaks l/2 off the free end, when its tail meets the reflection of its front there.
-/// The scab leaves with the momentum that the pulse had in twice its length: 2 sigma/(rho c).
+/// A rectangular pulse of length l breaks off l/2 at the free end, when its tail meets the reflection of its front there. The scab leaves with the
+/// momentum of twice its length of the pulse: velocity 2 sigma/(rho c).
 #[test]
 fn a_rectangular_pulse_spalls_half_its_length_off_exactly_by_fronts() {
     let scene = bar(STEEL, PULSE, FREE, "rupture = { spall = 500e6 }", "until = 60e-6\nmethod = \"moc\"");
@@ -76,9 +76,8 @@ fn a_rectangular_pulse_spalls_half_its_length_off_exactly_by_fronts() {
     assert!((momentum - 800e6 * 1e-4 * 8e-6).abs() < 1e-12, "{momentum}");
 }
 
-/// On the grid within one cell and two cells' transit of theory, at whatever resolution; once; momentum of the scab too.
-/// A bar that stays elastic is as long as before without the gap between its pieces, which front tracking counted as strain: with copper that broke at
-/// 60 m/s the elongation was 0.72, and grew with the time of the run.
+/// The gap between the pieces of a bar that stays elastic is not part of its elongation, with front tracking, either: with copper that fractures at
+/// 60 m/s, the elongation would be 0.72, and grow with the duration of the run.
 #[test]
 fn the_opening_of_a_fracture_is_no_elongation() {
     let scene = bar(STEEL, PULSE, FREE, "rupture = { spall = 500e6 }", "until = 60e-6\nmethod = \"moc\"");
@@ -88,6 +87,7 @@ fn the_opening_of_a_fracture_is_no_elongation() {
     assert!((length.unloaded - 0.2).abs() < 1e-9 && (length.at_end - 0.2).abs() < 1e-9, "{length:?}");
 }
 
+/// On the grid, the fracture is within one cell and three steps of theory, at any resolution; there is only one, and the scab has its momentum.
 #[test]
 fn a_rectangular_pulse_spalls_within_a_cell_on_the_grid() {
     for cells in [500, 1000, 1100, 2200, 4000] {
@@ -103,7 +103,7 @@ fn a_rectangular_pulse_spalls_within_a_cell_on_the_grid() {
         let node = (rupture.x / dx).round() as usize;
         let momentum: f64 = v[node..].iter().map(|v| v * 8000.0 * 1e-4 * dx).sum();
         let expected = 800e6 * 1e-4 * 8e-6;
-        // The pulse that runs on from the rupture is some cells long.
+        // The pulse that continues from the fracture is some cells long.
         let part = 6.0 * dx / 0.04;
         assert!((momentum / expected - 1.0).abs() < part, "{cells}: {momentum} against {expected}");
         let now = bar.energies();
@@ -111,13 +111,13 @@ fn a_rectangular_pulse_spalls_within_a_cell_on_the_grid() {
     }
 }
 
-/// A triangular pulse of peak P and length l breaks off scabs of l sigma/(2 P) each, as long as what is left of it can:
-/// floor(P/sigma) of them.
+/// A triangular pulse of peak P and length l breaks off scabs of length l sigma/(2 P) as long as the rest of the pulse suffices: floor(P/sigma) of
+/// them.
 #[test]
 fn a_triangular_pulse_spalls_several_times() {
     let pulse = "kind = \"stress\"\nhistory = [[0, 0], [0, -900e6], [16e-6, 0]]";
     let by = |method: &str| bar(STEEL, pulse, FREE, "rupture = { spall = 400e6 }", &format!("until = 70e-6\n{method}"));
-    // 8 cm long: 17.78 mm each.
+    // The pulse is 8 cm long: scabs of 17.78 mm each.
     let expected = [0.2 - 0.08 * 4.0 / 18.0, 0.2 - 0.16 * 4.0 / 18.0];
     let near = |found: &[Rupture], tolerance: f64| {
         assert_eq!(found.len(), 2, "{found:?}");
@@ -127,14 +127,14 @@ fn a_triangular_pulse_spalls_several_times() {
     };
     // Steps of 1e-3 of the peak, in the middle of their parts of the ramp.
     near(tracked(&by("method = \"moc\"")).ruptures(), 2e-4);
-    // Two cells that must follow, four ahead of the freeing wave, and the cell itself.
+    // Two cells that must follow, four ahead of the release wave, and the cell itself.
     for cells in [1000, 4000] {
         near(stepped(&by(&format!("cells = {cells}"))).ruptures(), 7.0 * 0.2 / f64::from(cells));
     }
 }
 
-/// Pulled at 1.02 of the critical velocity the bar breaks at the pulled end at once (on the grid as soon as the first cell
-/// has been strained so far), at 0.98 it never does.
+/// At 1.02 of the critical velocity, the bar fractures at the pulled end at once (on the grid, as soon as the first cell has been strained that far);
+/// at 0.98, it never does.
 #[test]
 fn a_bar_breaks_above_its_critical_velocity_and_not_below() {
     let material = SOFT;
@@ -144,7 +144,7 @@ fn a_bar_breaks_above_its_critical_velocity_and_not_below() {
     for (part, breaks) in [(0.98, false), (1.02, true)] {
         let left = format!("kind = \"velocity\"\nvalue = {}", -part * critical);
         let effects = "hardening = \"isotropic\"\nrupture = \"critical-strain\"";
-        // Until the slowest wave has left the struck end well behind, before the elastic one is back.
+        // Until the slowest wave is well away from the struck end, but before the elastic one returns.
         let [fd, moc] = both(material, &left, "kind = \"absorbing\"", effects, 60e-6);
         assert_eq!((fd.len(), moc.len()), (usize::from(breaks), usize::from(breaks)), "{part}: {fd:?} {moc:?}");
         if breaks {
@@ -154,7 +154,7 @@ fn a_bar_breaks_above_its_critical_velocity_and_not_below() {
     }
 }
 
-/// A notch divides the threshold: all over a segment, or at a joint alone.
+/// A notch divides the threshold, in a whole segment or at a joint only.
 #[test]
 fn notches_break_first() {
     let text = |first: &str, method: &str| {
@@ -183,7 +183,7 @@ fn notches_break_first() {
     }
 }
 
-/// Two pieces that fly apart, rebound from walls and meet: their faces press again.
+/// Two pieces that separate, rebound from walls and meet: their faces are in contact again.
 #[test]
 fn broken_faces_press_again() {
     let text = |until: f64, method: &str| {
@@ -193,7 +193,7 @@ fn broken_faces_press_again() {
              rupture = {{ spall = 500e6 }}\n[solve]\nuntil = {until}\n{method}\n"
         )
     };
-    // Apart at 20 m/s until the walls' waves arrive at 20 us, then together as fast.
+    // They separate at 20 m/s until the waves of the walls arrive at 20 us, then approach with the same velocity.
     let (fd, moc) = (stepped(&scene(&text(30e-6, "cells = 400"))), tracked(&scene(&text(30e-6, "method = \"moc\""))));
     assert_eq!((fd.ruptures().len(), moc.ruptures().len()), (1, 1));
     let gaps = [fd.contacts().next().expect("faces").gap, moc.contacts().next().expect("faces").gap];
@@ -219,7 +219,7 @@ fn the_example_of_the_energy_method() {
         let bar = stepped(&Scene::read(&path, overrides).expect("a right scene"));
         assert_eq!(bar.ruptures().len(), usize::from(breaks), "{:?}", bar.ruptures());
         if let [rupture] = bar.ruptures() {
-            // 981.75 ft lbf if it were strained evenly; what is elsewhere below the threshold is missing.
+            // 981.75 ft lbf for uniform strain; the strain below the threshold elsewhere reduces this.
             let whole = 981.75 * 1.355_818;
             assert!((0.5..1.05).contains(&(rupture.bar_absorbed / whole)), "{rupture:?}");
             assert!((rupture.absorbed / 41.3685e6 - 1.0).abs() < 1e-3, "{rupture:?}");
@@ -227,7 +227,7 @@ fn the_example_of_the_energy_method() {
     }
 }
 
-/// Off, or on and never reached: the same bits; off, not a byte more.
+/// A threshold that is not reached gives the same bits as the disabled effect; disabled, it needs no memory.
 #[test]
 fn off_is_free_and_unreached_changes_no_bit() {
     let left = "kind = \"velocity\"\nvalue = -12";
@@ -245,7 +245,7 @@ fn off_is_free_and_unreached_changes_no_bit() {
     assert!(off.ruptures().is_empty() && on.ruptures().is_empty());
 }
 
-/// The table is there, one row a rupture, where the effect is on, and not where it is off.
+/// The table exists if the effect is on, with one row for each rupture, and does not exist if it is off.
 #[test]
 fn the_file_has_a_table_of_ruptures() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -287,7 +287,7 @@ fn what_is_wrong_is_said() {
     assert!(wrong("", rate, "method = \"moc\"").contains("characteristic net"));
 }
 
-/// Two SOFT bars pulled apart at the joint's notch, by the law of the rate given (none: plastic strain takes no time).
+/// Pulls two SOFT bars apart at the notch of the joint, with the given rate law (or none: instantaneous plastic flow).
 fn pulled_at(rate: &str, velocity: f64, cells: usize) -> Vec<Rupture> {
     let effects = format!("hardening = \"isotropic\"\nrupture = \"critical-strain\"\n{rate}");
     let left = format!("kind = \"velocity\"\nvalue = {}", -velocity);
@@ -295,7 +295,7 @@ fn pulled_at(rate: &str, velocity: f64, cells: usize) -> Vec<Rupture> {
     stepped(&bar(SOFT, &left, "kind = \"absorbing\"", &effects, &solve)).ruptures().to_vec()
 }
 
-/// An end that is pulled hard enough breaks there, at the threshold and no farther inside, as by front tracking.
+/// An end that is pulled hard enough fractures there, at the threshold, and not further inside, as with front tracking.
 #[test]
 fn a_pulled_end_breaks_at_the_threshold() {
     let left = |velocity: f64| format!("kind = \"velocity\"\nvalue = {}", -velocity);
@@ -308,15 +308,15 @@ fn a_pulled_end_breaks_at_the_threshold() {
     };
     for velocity in [41.0, 50.0, 60.0] {
         let rupture = first(velocity);
-        // The threshold, and what a step adds: velocity times dt/dx.
+        // The threshold, and the increment of a step: velocity times dt/dx.
         let (threshold, step) = (0.1, velocity / 5000.0);
         assert_eq!((rupture.site, rupture.x), (Site::Left, 0.0), "{rupture:?}");
         assert!((threshold..threshold + step).contains(&rupture.strain), "{velocity}: {rupture:?}");
     }
 }
 
-/// An end that has broken off drives the bar no longer, and its history shows that: it was made to follow the fan of its load for 24 cells, and the bar broke
-/// again and again beside it.
+/// An end that has broken off no longer drives the bar, as its history shows. It must not follow the fan of its load for 24 cells, beside which the
+/// bar would fracture again and again.
 #[test]
 fn an_end_that_has_broken_off_drives_no_fan() {
     let left = "kind = \"velocity\"\nvalue = -30";
@@ -331,8 +331,8 @@ fn an_end_that_has_broken_off_drives_no_fan() {
     }
 }
 
-/// Flow that takes hardly any time breaks the bar as flow that takes none; flow that takes longer lets it hold longer, since
-/// the overstress carries the strain away.
+/// With almost instantaneous flow, the bar fractures as with instantaneous flow; with slower flow it fractures later, since the overstress transmits
+/// the strain.
 #[test]
 fn with_a_rate_the_bar_breaks_later_and_without_delay_as_before() {
     // Above the critical velocity, 40 m/s.
@@ -347,11 +347,11 @@ fn with_a_rate_the_bar_breaks_later_and_without_delay_as_before() {
     };
     let times = [1e7, 3e7, 1e8, 1e10].map(time);
     assert!(times.windows(2).all(|pair| pair[1] < pair[0]), "{times:?}");
-    // A cell is crossed in 40 ns; relaxation in 0.1 ns.
+    // A cell is crossed in 40 ns; the relaxation time is 0.1 ns.
     assert!((times[3] - first.time).abs() <= 2.0 * 40e-9, "{times:?} {first:?}");
 }
 
-/// Energy is that of all work of strain, the overstress's included, which a rate law adds to.
+/// The energy criterion uses the whole work of strain, including that of the overstress of a rate law.
 #[test]
 fn with_a_rate_energy_and_spall_break_as_they_should() {
     let pulse = "kind = \"velocity\"\nvalue = 15\nrelease = 4e-6";
@@ -362,7 +362,7 @@ fn with_a_rate_energy_and_spall_break_as_they_should() {
     };
     let spalled = run("{ spall = 200e6 }");
     let [rupture, ..] = spalled.ruptures() else { panic!("no spall") };
-    // Half the pulse (2 cm) off the free end, or nearer to it where the tail has spread.
+    // Half the pulse (2 cm) from the free end, or nearer to it where the tail has spread.
     assert!(rupture.x > 0.185 && rupture.x < 0.2 && rupture.stress >= 200e6, "{rupture:?}");
     let absorbed = run("{ energy = 5e6 }");
     for rupture in absorbed.ruptures() {
@@ -374,8 +374,8 @@ fn with_a_rate_energy_and_spall_break_as_they_should() {
     }
 }
 
-/// A bar that has hardened before breaks to the right of its middle, and its mirror image to the left: both go on alike. What had broken off on
-/// the right answered as if it had flowed.
+/// A hardened bar fractures to the right of its middle, and its mirror image to the left; both pieces must continue alike. The part on the right must
+/// not respond as if it had flowed.
 #[test]
 fn a_hardened_bar_and_its_mirror_image_break_alike() {
     let parted = |profile: &str| {
@@ -396,7 +396,7 @@ fn a_hardened_bar_and_its_mirror_image_break_alike() {
     }
 }
 
-/// A spall needs five cells at the threshold on a grid; a pulse of four passed without a word.
+/// A spall needs five cells at the threshold on a grid; a pulse of four cells is reported.
 #[test]
 fn a_pulse_too_short_for_the_grid_is_reported() {
     // 4 mm long, which is four cells of 200 and forty of 2000: half of it breaks off.
@@ -415,8 +415,8 @@ fn a_pulse_too_short_for_the_grid_is_reported() {
     assert!(broken >= 1 && rows.len() == 1 && rows[0].finding.contains("leaves tensile pulses"), "{broken} {rows:?}");
 }
 
-/// Waves that meet at a fixed end take a bar past the largest stress of its falling curve: stresses and energies do not depend on the cells,
-/// the largest strain does, and the run says so.
+/// Waves that meet at a fixed end strain a bar beyond the largest stress of its falling curve: stresses and energies do not depend on the cell size,
+/// but the largest strain does, and the run notes this.
 #[test]
 fn a_softening_bar_says_that_its_strain_depends_on_the_cells() {
     let curve = "[[0.001, 200e6], [0.01, 300e6], [0.05, 250e6], [0.2, 100e6]]";
@@ -441,7 +441,7 @@ fn a_softening_bar_says_that_its_strain_depends_on_the_cells() {
     assert!(!with_rate.contains("cell size"), "{with_rate}");
 }
 
-/// The strain of the audit was the one between the first cells, 99 % of the fracture strain, where the first one had 115 % of it.
+/// The audit uses the strain of the first cell, 115 % of the fracture strain, and not that between the first cells, 99 % of it.
 #[test]
 fn a_bar_that_would_break_in_one_cell_says_so() {
     let pulled = |effects: &str| {
@@ -460,7 +460,7 @@ fn a_bar_that_would_break_in_one_cell_says_so() {
     assert_eq!(broken.ruptures.expect("asked for").len(), 1);
 }
 
-/// Two rods of sections 2 and 1 cm^2, joined by a notch.
+/// Returns two rods of sections 2 and 1 cm^2, joined by a notch.
 fn joined(notch: f64, length: f64, left: &str, solve: &str) -> Scene {
     scene(&format!(
         "[[bar.segment]]\nlength = {length}\narea = 2e-4\nmaterial = {STEEL}\njoint-stress-concentration = {notch}\n\
@@ -469,7 +469,8 @@ fn joined(notch: f64, length: f64, left: &str, solve: &str) -> Scene {
     ))
 }
 
-/// The cells that had to be as near to breaking included those of the thicker rod, which never are: the joint never broke on a grid.
+/// The cells that must be equally close to fracture exclude those of the thicker rod, which never are; otherwise, the joint would never fracture on a
+/// grid.
 #[test]
 fn a_notched_joint_of_unlike_sections_breaks_on_grids() {
     let pulled = "kind = \"stress\"\nvalue = 150e6";
@@ -478,7 +479,7 @@ fn a_notched_joint_of_unlike_sections_breaks_on_grids() {
         let moc = tracked(&joined(notch, 0.2, pulled, "until = 70e-6\nmethod = \"moc\""));
         for found in [fd.ruptures(), moc.ruptures()] {
             assert_eq!(found.len(), usize::from(breaks), "{notch}: {found:?}");
-            // The thinner rod carries 200 MPa when the wave has come.
+            // The thinner rod has 200 MPa when the wave has arrived.
             assert!(
                 found.iter().all(|rupture| rupture.site == Site::Joint(0) && (rupture.time / 40e-6 - 1.0).abs() < 0.02)
             );
@@ -487,14 +488,15 @@ fn a_notched_joint_of_unlike_sections_breaks_on_grids() {
     }
 }
 
-/// A pulse whose reflections from both ends come to the joint at once, from both sides: what they bring together was taken for what had been there.
+/// A pulse is reflected from both ends, and the reflections reach the joint simultaneously from both sides: their sum must not count as the previous
+/// state.
 #[test]
 fn a_joint_breaks_under_waves_that_come_from_both_sides_at_once() {
     let pulse = "kind = \"stress\"\nhistory = [[0, -300e6], [8e-6, -300e6], [8e-6, 0]]";
     for (length, notch, breaks) in [(0.1, 1.45, false), (0.1, 2.0, true), (0.1, 3.0, true)] {
         let found = tracked(&joined(notch, length, pulse, "until = 75e-6\nmethod = \"moc\"")).ruptures().to_vec();
         assert_eq!(found.len(), usize::from(breaks), "{notch}: {found:?}");
-        // The thinner rod carries 400 MPa, and is what breaks.
+        // The thinner rod has 400 MPa, and fractures.
         assert!(
             found.iter().all(|rupture| rupture.segment == 1 && (rupture.stress / 400e6 - 1.0).abs() < 1e-9),
             "{found:?}"
@@ -502,7 +504,7 @@ fn a_joint_breaks_under_waves_that_come_from_both_sides_at_once() {
     }
 }
 
-/// A pulse of 800 MPa that is 40 mm long breaks off 20 mm, which fly with twice the velocity of the pulse; the rest has what is left.
+/// A pulse of 800 MPa and 40 mm length breaks off 20 mm, which move with twice the particle velocity of the pulse; the rest has the remainder.
 #[test]
 fn fragments_have_their_mass_velocity_and_energy() {
     for (method, near) in [("method = \"moc\"", 1e-9), ("cells = 1000", 0.025)] {
@@ -514,7 +516,7 @@ fn fragments_have_their_mass_velocity_and_energy() {
         };
         let (rest, scab) = (figures("1"), figures("2"));
         assert!(summary.figures.0.iter().all(|group| group.path != ["fragments", "3"]));
-        // rho c = 4e7: 800 MPa move the bar with 20 m/s.
+        // rho c = 4e7: 800 MPa correspond to a particle velocity of 20 m/s.
         let (mass, velocity) = (8000.0 * 1e-4 * 0.02, 40.0);
         for (found, exact) in [
             (scab("position"), 0.18),
@@ -526,7 +528,7 @@ fn fragments_have_their_mass_velocity_and_energy() {
         ] {
             assert!((found / exact - 1.0).abs() < near, "{method}: {found} for {exact}");
         }
-        // All momentum of the pulse is gone with the scab.
+        // The scab has the whole momentum of the pulse.
         assert!(rest("velocity").abs() < near * velocity, "{method}: {}", rest("velocity"));
     }
 }

@@ -1,4 +1,4 @@
-//! Results that must be the same to the last bit: of a scene and its mirror image, and on any number of threads.
+//! Results that must be the same to the last bit: those of a scene and of its mirror image, and those with any number of threads.
 
 use crate::common;
 
@@ -28,7 +28,7 @@ struct Setup {
 
 impl Setup {
     fn new(segments: Vec<Segment>, ends: [EndCondition; 2]) -> Self {
-        // A number of cells that is no multiple of any block size or vector width.
+        // A number of cells that is not a multiple of any block size or vector width.
         Self { segments, ends, hardening: Some(HardeningRule::Isotropic), cells: 1301, cfl: 1.0 }
     }
 
@@ -36,7 +36,7 @@ impl Setup {
         common::leapfrog(self.segments.clone(), self.ends.clone(), self.hardening, self.cells, self.cfl)
     }
 
-    /// Left and right swapped: what stood at x stands at L - x, and moves the other way.
+    /// Returns the mirror image: the state at x is at L - x, with the opposite velocity.
     fn mirrored(&self) -> Self {
         let joint = |k: usize| if k == 0 { Joint::Bonded } else { self.segments[k - 1].joint };
         let segment = |(k, s): (usize, &Segment)| Segment { velocity: -s.velocity, joint: joint(k), ..s.clone() };
@@ -81,7 +81,7 @@ fn steel(length: f64) -> Segment {
     common::segment(common::bilinear_steel(), length)
 }
 
-/// Aluminium-like: softer, lighter, with a table of three slopes.
+/// Returns a segment of a metal like aluminium: softer, lighter, with a table of three slopes.
 fn light(length: f64, area: f64) -> Segment {
     let rows = [(0.002, 140e6), (0.01, 180e6), (0.05, 220e6)];
     let mut material = common::material(&rows, barwave::material::Beyond::Extend);
@@ -133,7 +133,7 @@ fn two_materials_with_a_step_in_area() {
     assert_mirrored(&Setup::new(vec![flying, light(0.5, 0.7)], [released, EndCondition::Fixed]), true);
 }
 
-/// 40 segments of 1750 cells that run into each other, two and two: three blocks and a half each.
+/// Returns 40 segments of 1750 cells (three and a half blocks) that collide in pairs.
 fn many_collisions(speed: f64) -> Setup {
     let material = Arc::new(common::bilinear_steel());
     let segment = |k: u32| {
@@ -145,7 +145,7 @@ fn many_collisions(speed: f64) -> Setup {
     setup
 }
 
-/// The bar after some steps on a pool of its own.
+/// Returns the bar after some steps in a thread pool of its own.
 fn on_threads(setup: &Setup, threads: usize) -> Leapfrog {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     pool.install(|| {
@@ -155,7 +155,7 @@ fn on_threads(setup: &Setup, threads: usize) -> Leapfrog {
     })
 }
 
-/// Fields, sums over cells, and ends.
+/// Compares fields, sums over cells, and ends.
 fn assert_same(one: &Leapfrog, other: &Leapfrog, what: &str) {
     for quantity in QUANTITIES {
         let (here, there) = (common::profile(one, quantity), common::profile(other, quantity));
@@ -187,7 +187,7 @@ fn a_plastic_bar_on_one_and_many_threads() {
     assert_same_on_many_threads(30.0, true);
 }
 
-/// Bars with everything that steps of several blocks in one go have to get past: joints, contacts, ends that let go, walls.
+/// Returns bars with everything that complicates stepping several blocks at once: joints, contacts, ends that separate, walls.
 fn busy_setups() -> Vec<Setup> {
     let flying = Segment { velocity: 12.0, area: 2.0, joint: Joint::Contact { gap: 1e-5 }, ..steel(0.6) };
     let released = EndCondition::Velocity { history: History::constant(25.0), release: Some(5e-5) };
@@ -246,7 +246,7 @@ fn a_log_says_what_was_there_after_each_step() {
                         [Quantity::Stress, Quantity::Strain, Quantity::Velocity].map(|q| alone.value(q, *cell));
                     assert_eq!(rows.after(step)[..3], wanted, "cell {cell}, step {}", alone.step());
                 }
-                // Bits: means that are not known are no numbers.
+                // Compared as bits, since unknown means are NaN.
                 let bits = |EndSample { now, latest }: EndSample| {
                     [now.stress, now.velocity, latest.stress, latest.velocity].map(f64::to_bits)
                 };
@@ -260,9 +260,9 @@ fn a_log_says_what_was_there_after_each_step() {
 
 #[test]
 fn a_free_bar_swings_as_it_was_set_moving() {
-    // v = cos(3 pi x/L) is a standing wave: after its period everything is as it was, and half-way the other way round.
-    // At Courant number 1 exact. Below, an angle of one turn is late by (k dx)^2 (1 - cfl^2)/24 of it, 1.2e-5; it is looked at
-    // within half a step (0.007) of its turning point.
+    // v = cos(3 pi x/L) is a standing wave: after its period everything is as at the start, and after half of it reversed. This is exact at Courant
+    // number 1. Below that, a phase of one turn is late by the fraction (k dx)^2 (1 - cfl^2)/24, 1.2e-5; it is compared within half a step (0.007) of
+    // its turning point.
     for (cfl, bound) in [(1.0, 1e-12), (0.9, 1e-7)] {
         let mut setup = Setup::new(vec![steel(1.0)], [EndCondition::Free, EndCondition::Free]);
         (setup.cells, setup.cfl) = (600, cfl);
@@ -274,7 +274,7 @@ fn a_free_bar_swings_as_it_was_set_moving() {
             let period = 2.0 / 3.0 / (common::MODULUS / common::DENSITY).sqrt();
             common::advance_to(&mut bar, 0.5 * f64::from(half) * period);
             let behind = bar.time() - 0.5 * f64::from(half) * period;
-            // The velocity of a cell is the mean over its nodes.
+            // The velocity of a cell is the mean of those of its nodes.
             let mean = (1.5 * std::f64::consts::PI * bar.grid().segments[0].dx).cos();
             let swing = sign * mean * (2.0 * std::f64::consts::PI * behind / period).cos();
             let velocity = common::profile(&bar, Quantity::Velocity);

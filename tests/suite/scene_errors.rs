@@ -1,9 +1,9 @@
-//! Wrong scenes through the real binary: exit code 2, and a message with file, line, key, value, range and help.
+//! Invalid scenes through the real binary: exit code 2, and a message with file, line, key, value, range and help.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// A right scene; every case below changes one thing in it.
+/// A valid scene; every case below changes one thing in it.
 const RIGHT: &str = r#"title = "A right scene"
 
 [bar]
@@ -31,14 +31,14 @@ fields = ["stress", "velocity"]
 gauges = { middle = "0.5 m" }
 "#;
 
-/// One wrong scene: `from` is replaced by `to`.
+/// An invalid scene: `from` is replaced by `to`.
 struct Case {
     from: &'static str,
     to: &'static str,
-    /// Text of the line that must be shown; empty where the complaint is about something that is not there.
+    /// Text of the line that must be shown; empty if the error is about a missing item.
     line: &'static str,
     key: &'static str,
-    /// Everything that the message must hold: value, range, help.
+    /// All texts that the message must contain: value, range, help.
     parts: &'static [&'static str],
 }
 
@@ -52,15 +52,15 @@ const fn case(
     Case { from, to, line, key, parts }
 }
 
-/// The same for the right end.
+/// Returns a case with another right end.
 const fn ball(to: &'static str, line: &'static str, key: &'static str, parts: &'static [&'static str]) -> Case {
     case("kind = \"free\"", to, line, key, parts)
 }
 
-/// The material's line.
+/// Line of the material.
 const MATERIAL: &str = r#"material = { name = "steel", density = "7800 kg/m^3", modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.1, "400 MPa"]] } }"#;
 
-/// The whole of `[bar]`.
+/// The table `[bar]`.
 const UNIFORM: &str = r#"[bar]
 length = "1 m"
 area = "1 cm^2"
@@ -68,7 +68,7 @@ material = { name = "steel", density = "7800 kg/m^3", modulus = "200 GPa", beyon
 "#;
 
 const CASES: &[Case] = &[
-    // Words that do not exist: the nearest is named, and what is allowed.
+    // Unknown words: the message names the nearest one and the allowed ones.
     case(
         "length =",
         "lenght =",
@@ -163,7 +163,7 @@ const CASES: &[Case] = &[
         &["a length is expected", "diameter > 0"],
     ),
     case("\"1 cm^2\"", "true", "true", "bar.area", &["rows [x, size] of a taper"]),
-    // Numbers out of their range.
+    // Numbers out of range.
     case(
         "cells = 1000",
         "cfl = 1.5",
@@ -255,7 +255,7 @@ const CASES: &[Case] = &[
         "bar.length",
         &["boolean `true`", "help: write a number, or a string with a unit"],
     ),
-    // What must stand together, and what must not.
+    // Keys that require or exclude each other.
     case("[right]\nkind = \"free\"\n", "", "", "right", &["`right` is missing", "both ends are required"]),
     case("until = \"200 us\"\n", "", "[solve]", "solve.until", &["`until` is missing", "add the end time"]),
     case("length = \"1 m\"\n", "", "[bar]", "bar.length", &["`length` is missing", "length = \"1 m\""]),
@@ -332,7 +332,7 @@ const CASES: &[Case] = &[
         "bar.length",
         &["`length` of [bar] cannot be combined with [[bar.segment]]"],
     ),
-    // Materials, by name and in place.
+    // Materials, by name and inline.
     case(MATERIAL, "material = \"copper-anealed\"", "material", "bar.material", &["copper-anealed", "copper-annealed"]),
     case(MATERIAL, "material = \"./none.toml\"", "material", "bar.material", &["none.toml", "no such file"]),
     case(
@@ -450,8 +450,8 @@ const CASES: &[Case] = &[
         "right.bar-poisson",
         &["`bar-poisson` is missing", "a plain number"],
     ),
-    // Words for what this version does not simulate: refused by name, with the way out.
-    // Keys that belong to the other method, and what front tracking cannot follow.
+    // Words for effects that are not supported: refused by name, with an alternative.
+    // Keys of another method, and what front tracking does not support.
     case(
         "cells = 1000",
         "cells = 1000\nmethod = \"moc\"",
@@ -617,7 +617,7 @@ const CASES: &[Case] = &[
         "solve.front-tolerance",
         &["does not apply to a rate-dependent bar", "allowed: until, method, cells"],
     ),
-    // What acts along the bar.
+    // Distributed forces.
     case(
         "hardening = \"isotropic\"",
         "damping = {}",
@@ -759,7 +759,7 @@ const CASES: &[Case] = &[
         "left.kind",
         &["a bar in torsion only"],
     ),
-    // Far outside of what can be done, and values of another type.
+    // Values far outside of the feasible range, and values of another type.
     case(
         "until = \"200 us\"",
         "until = 1e12",
@@ -790,7 +790,7 @@ const CASES: &[Case] = &[
         "bar.material.curve.table",
         &["at least one row with a strain above 0"],
     ),
-    // No TOML at all.
+    // Text that is not TOML.
     case("length = \"1 m\"", "length = 1 m", "length", "", &["help: "]),
     case("title = ", "title = \"twice\"\ntitle = ", "title", "title", &["duplicate key", "keep one of the two"]),
 ];
@@ -814,7 +814,7 @@ fn the_base_scene_is_right() {
     assert!(output.stderr.is_empty(), "{}", stderr(&output));
 }
 
-/// A right scene of the energy method.
+/// A valid scene of the energy method.
 const SPECIMEN: &str = r#"[specimen]
 length = "10 in"
 diameter = "0.5 in"
@@ -876,7 +876,7 @@ const SPECIMEN_CASES: &[Case] = &[
     case("[striker]", "[bar]\nlength = 1\n[striker]", "[bar]", "bar", &["specimen", "striker"]),
 ];
 
-/// Right scenes of the other impacts.
+/// Valid scenes of the other impacts.
 const SPHERES: &str = r#"[spheres]
 mass = "3 kg"
 restitution = 0.6
@@ -1146,7 +1146,7 @@ fn schema_man_pages_and_completions_are_written() {
     assert!(folder.path().join("barwave-check.1").exists());
 }
 
-/// Annealed copper is the same in tension and compression only in true stress: two engineering curves.
+/// Annealed copper is the same in tension and compression in true stress only: there are two engineering curves.
 #[test]
 fn kinematic_hardening_needs_one_curve() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -1160,7 +1160,7 @@ fn kinematic_hardening_needs_one_curve() {
     assert!(shown.contains("help: use hardening = \"isotropic\""), "{shown}");
 }
 
-/// What acts on the whole section needs one, and a joint that opens has no node that is shared.
+/// Effects on the whole section require a section, and a joint that opens has no shared node.
 #[test]
 fn torsion_and_tapers_refuse_what_they_do_not_go_with() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -1242,7 +1242,7 @@ fn what_acts_along_the_bar_needs_a_section_and_bonded_joints() {
         assert_eq!(output.status.code(), Some(2), "{shown}");
         assert!(shown.starts_with(start) && shown.contains("\nhelp: "), "{shown}");
     }
-    // Without a section internal damping has a meaning, and without a joint that opens the bar is right.
+    // Without a section internal damping is allowed, and without a joint that opens the bar is valid.
     std::fs::write(&file, without_area.replace("hardening = \"isotropic\"", "damping = { internal = 100 }"))
         .expect("written");
     assert_eq!(check(&file).status.code(), Some(0), "{}", stderr(&check(&file)));

@@ -1,5 +1,5 @@
-//! The seven qualitative results of the chapter's section on beams, in the numbers of `runs/beam.toml`. The page on other impacts shows the
-//! same runs and figures.
+//! The seven qualitative results of the chapter's section on beams, with the numbers of `runs/beam.toml`. The page on other impacts shows the same
+//! runs and figures.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use crate::common::impacts::{number, recorded, run};
 
 const STRAIN: &str = "/gauges/middle/peak_strain";
 const SHAPES: &str = "record.shapes=200";
-/// A fifth of critical in mode 1.
+/// A fifth of critical damping in mode 1.
 const EXTERNAL: &str = "beam.external-damping=\"2 kN*s/m^2\"";
 const INTERNAL: &str = "beam.internal-damping=\"1 MPa*s\"";
 const RISE: &str = "solve.until=\"100 us\"";
@@ -24,7 +24,7 @@ fn close(value: f64, shown: f64) {
     assert!((value / shown - 1.0).abs() < 0.006, "{value}, the page shows {shown}");
 }
 
-/// Modal displacements of mode n with their times: the projection of the deflected shapes, m.
+/// Returns times and modal displacements of mode n, m, by projection of the deflected shapes.
 fn modal(impact: &StoredImpact, n: usize) -> Vec<[f64; 2]> {
     let shapes = impact.shapes.as_ref().expect("deflected shapes");
     let count = shapes.x.len();
@@ -39,14 +39,14 @@ fn largest<'a>(history: impl Iterator<Item = &'a [f64; 2]>) -> f64 {
     history.fold(0.0, |most: f64, [_, q]| most.max(q.abs()))
 }
 
-/// Largest displacement of a mode, and that in the second half of the run.
+/// Returns the largest displacement of a mode, and that in the second half of the run.
 fn amplitudes(impact: &StoredImpact, n: usize) -> [f64; 2] {
     let history = modal(impact, n);
     let half = 0.5 * history.last().expect("rows")[0];
     [largest(history.iter()), largest(history.iter().filter(|[t, _]| *t > half))]
 }
 
-/// Damping of mode n as a part of critical: that of the lowest mode is in the summary, and both kinds go with a power of n.
+/// Returns the damping ratio of mode n: that of the lowest mode is in the summary, and each kind is proportional to a power of n.
 fn damping(summary: &Value, n: f64, power: i32) -> f64 {
     number(summary, "lowest_damping") * n.powi(power)
 }
@@ -55,7 +55,7 @@ fn damping(summary: &Value, n: f64, power: i32) -> f64 {
 fn result_1_small_slow_masses_cause_significant_strains() {
     let summary = run("beam.toml", &["striker.radius=\"5 mm\"", "striker.velocity=\"3 m/s\""]);
     close(number(&summary, STRAIN), 3.3e-4);
-    // 4.2 g against 122 g of beam; E times the strain is 71.5 MPa.
+    // 4.2 g compared with 122 g of the beam; E times the strain is 71.5 MPa.
     close(4.0 / 3.0 * PI * 0.005_f64.powi(3) * 7960.0, 4.17e-3);
     close(number(&summary, STRAIN) * 2.2e6 * 9.806_65e4, 71.5e6);
 }
@@ -80,7 +80,7 @@ fn result_3_internal_damping_acts_on_the_higher_modes() {
     for (n, shown) in [(1.0, 0.0146), (3.0, 0.131), (9.0, 1.18)] {
         close(damping(&damped.0, n, 2), shown);
     }
-    // Aperiodic: after the contact mode 9 returns without oscillation. Without damping it oscillates.
+    // Aperiodic: after the contact, mode 9 returns without oscillation. Without damping it oscillates.
     let after = |impact: &StoredImpact| {
         let history: Vec<f64> = modal(impact, 9).iter().filter(|[t, _]| *t > 160e-6).map(|[_, q]| *q).collect();
         // Below a millionth of the largest displacement, 3e-10 m, the projection is rounding.

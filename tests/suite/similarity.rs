@@ -13,7 +13,7 @@ fn curve(rows: &[(f64, f64)], beyond: Beyond) -> Curve {
     Curve::new(&rows, beyond).expect("the table is right")
 }
 
-/// The worked values carry ten digits.
+/// The worked values have ten digits.
 fn near(value: f64, expected: f64) {
     assert!((value / expected - 1.0).abs() < 1e-6, "{value} is not {expected}");
 }
@@ -62,7 +62,7 @@ fn yield_drop_sends_one_front_to_the_tangent_point() {
     near(impact_velocity(&c, 7850.0, 0.1), 37.333_339);
     near(impact_velocity(&c, 7850.0, 0.2), 62.571_063);
     assert!(critical(&c, 7850.0).is_none());
-    // Across the drop the velocity stalls, and the strain jumps to where the stress returns (0.0569).
+    // Across the yield drop, the velocity does not increase, and the strain jumps to where the stress is reached again (0.0569).
     let before = fan_at_velocity(&c, 7850.0, 7.6964);
     let after = fan_at_velocity(&c, 7850.0, 7.6966);
     assert!(before.strain < 0.0015);
@@ -126,7 +126,7 @@ fn above_the_ultimate_point_the_fan_stops_there() {
         assert!(fan.above_critical && !fan.beyond_data);
         assert_eq!((fan.strain, fan.stress, fan.velocity), (0.2, 300.0 * MPA, v_c.velocity));
     }
-    // A specimen that breaks while its stress rises: the last knot is critical, and says why.
+    // A specimen that fractures while its stress increases: the last knot is critical, and this is stated as the reason.
     let c = table_a(Beyond::Rupture);
     let v_c = critical(&c, 8000.0).expect("it broke");
     near(v_c.velocity, 74.336_804);
@@ -155,7 +155,7 @@ fn the_state_in_the_fan_is_the_one_behind_the_fronts_that_have_passed() {
     near(fan.state(0.0).0, 0.05);
 }
 
-/// ln Gamma for x > 0 by Lanczos' series (g = 7, nine terms), good to 1e-14.
+/// Returns ln Gamma for x > 0 by Lanczos' series (g = 7, nine terms), accurate to 1e-14.
 fn ln_gamma(x: f64) -> f64 {
     const TERMS: [f64; 9] = [
         0.999_999_999_999_809_9,
@@ -176,11 +176,11 @@ fn ln_gamma(x: f64) -> f64 {
 
 #[test]
 fn true_stress_power_law_has_its_closed_form_critical_velocity() {
-    // B(1/2, 3/2) = pi/2; the series is good to 1e-14.
+    // B(1/2, 3/2) = pi/2; the series is accurate to 1e-14.
     let check = (ln_gamma(0.5) + ln_gamma(1.5) - ln_gamma(2.0)).exp();
     assert!((check - std::f64::consts::FRAC_PI_2).abs() < 1e-13, "{check}");
     for (k, n, density) in [(530e6, 0.44, 8960.0), (600e6, 0.21, 7850.0), (410e6, 0.05, 2700.0)] {
-        // Knots in geometric steps from far below any yield strain, one at the maximum, some past it.
+        // Knots in geometric progression from far below any yield strain, one at the maximum, and some beyond it.
         let ratio = (n / 1e-16_f64).powf(1.0 / 6000.0);
         let rows: Vec<_> = (0..6100)
             .map(|i| {
@@ -195,13 +195,13 @@ fn true_stress_power_law_has_its_closed_form_critical_velocity() {
         // Chords near the maximum (width w) gain 0.04 sqrt(-sigma''/rho) w^1.5 each: 3e-5 of the whole here.
         let error = v_c.velocity / expected - 1.0;
         assert!(error.abs() < 1e-4, "n = {n}: {} is not {expected}", v_c.velocity);
-        // A chord's velocity is never below the curve's (Cauchy-Schwarz); 1e-10 for the sum's round-off.
+        // The velocity of a chord is never below that of the curve (Cauchy-Schwarz); 1e-10 for the rounding of the sum.
         assert!(error > -1e-10, "n = {n}: {error:e}");
         assert!((v_c.strain / n.exp_m1() - 1.0).abs() < 1e-12);
     }
 }
 
-/// Random tables that rise, fall, stay level and stiffen, as steps of strain and stress.
+/// Returns random tables that rise, fall, are level or stiffen, as steps of strain and stress.
 fn tables() -> impl Strategy<Value = Curve> {
     let level = proptest::bool::weighted(0.15);
     let steps = proptest::collection::vec((1e-4..0.1_f64, 1.0..500.0_f64, level), 1..14);
@@ -220,9 +220,9 @@ fn tables() -> impl Strategy<Value = Curve> {
 
 const RHO: f64 = 5000.0;
 
-/// What the rounding of the last stress and strain does to the velocity jump sqrt(d sigma d eps/rho) of a front: little, but
-/// where the stress hardly rises across it the root makes it much of the jump. On a steep piece of the curve a rounding of
-/// the strain is a larger one of the stress.
+/// Returns the effect of rounding of stress and strain on the velocity jump sqrt(d sigma d eps/rho) of a front. It is small, but a large fraction of
+/// the jump if the stress hardly increases across the front. On a steep part of the curve, rounding of the strain causes a larger rounding of the
+/// stress.
 fn rounding_of_jump(edge: &Edge, curve: &Curve) -> f64 {
     let rise = edge.stress_behind - edge.stress_ahead;
     let steepest = curve.slopes().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -247,7 +247,7 @@ proptest! {
             let slope = RHO * edge.speed.powi(2);
             for i in 0..=50 {
                 let e = edge.strain_ahead + (edge.strain_behind - edge.strain_ahead) * f64::from(i) / 50.0;
-                // Stresses up to 500 MPa and slopes up to 5e12 Pa times strain round-off: below 1 Pa.
+                // Stresses up to 500 MPa, and slopes up to 5e12 Pa times the rounding of strain: below 1 Pa.
                 prop_assert!(c.stress_at(e) <= edge.stress_ahead + slope * (e - edge.strain_ahead) + 1.0);
             }
         }
@@ -262,7 +262,7 @@ proptest! {
             prop_assert!(fan.velocity < velocity);
             prop_assert_eq!(fan.above_critical, c.ultimate().is_some());
         } else {
-            // The closed-form root and the sum each round a few times; the sum of up to 14 terms.
+            // The closed-form root and the sum of up to 14 terms have a few roundings each.
             let allowed = 1e-11 * velocity + fan.edges.iter().map(|edge| rounding_of_jump(edge, &c)).sum::<f64>();
             prop_assert!((fan.velocity - velocity).abs() < allowed, "{} {}", fan.velocity, velocity);
             prop_assert!((impact_velocity(&c, RHO, fan.strain) - velocity).abs() < allowed);

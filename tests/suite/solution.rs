@@ -1,4 +1,4 @@
-//! What a run gives in memory is what it writes to a file.
+//! The solution that a run returns in memory is the one that it writes to a file.
 
 use std::ops::ControlFlow;
 
@@ -67,7 +67,7 @@ fn a_solution_to_a_tolerance_is_that_of_the_method_chosen() {
     assert_same(&pulled().set("solve.tolerance", 3e-2).build().expect("a right scene"));
 }
 
-/// A run with a stop at the first call of `progress` for which `due` holds.
+/// Runs a scene that is stopped at the first call of `progress` for which `due` holds.
 fn stopped(scene: SceneBuilder, mut due: impl FnMut(&Progress) -> bool) -> barwave::error::Result<Solution> {
     run::solve(&scene.build().expect("a right scene"), &mut |at| {
         if due(&at) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

@@ -1,5 +1,4 @@
-//! Bars that strike and press one another: the split-Hopkinson set, steps in section, and bars that are let go and meet again.
-//! Both methods.
+//! Bars that strike and press each other: the split-Hopkinson set, steps in section, and bars that separate and meet again, with both methods.
 
 use crate::common;
 
@@ -18,7 +17,7 @@ use barwave::solver::moc::{FrontTracking, Settings};
 use barwave::wave::riemann::Flow;
 use common::{DENSITY, MODULUS};
 
-/// Stress at a time: straight between the rows, and a front is two rows with one time.
+/// Returns the stress at a time by linear interpolation; a front is two rows with the same time.
 fn stress_at(trace: &Trace, time: f64) -> f64 {
     let next = trace.time.partition_point(|&t| t <= time);
     if next == 0 || next == trace.time.len() {
@@ -29,18 +28,17 @@ fn stress_at(trace: &Trace, time: f64) -> f64 {
     s0 + (s1 - s0) * ((time - t0) / (t1 - t0))
 }
 
-/// What the reduction of a test gives at a moment of the specimen's, magnitudes.
+/// Results of the reduction of a test at one time, magnitudes.
 struct Reduced {
     time: f64,
     strain: f64,
     rate: f64,
-    /// From the forces on the face at the incident bar and on that at the transmission bar, Pa.
+    /// Stresses from the forces on the faces at the incident bar and at the transmission bar, Pa.
     faces: [f64; 2],
 }
 
-/// The classical reduction of one-dimensional elastic bars (H. Kolsky, Proc. Phys. Soc. B 62, 1949): with i, r and t the
-/// incident, reflected and transmitted pulses, shifted to the specimen, its faces move with (r - i)/Z and -t/Z and carry
-/// the forces A (i + r) and A t.
+/// Classical reduction of one-dimensional elastic bars (H. Kolsky, Proc. Phys. Soc. B 62, 1949): with i, r and t the stresses of the incident,
+/// reflected and transmitted pulses, shifted in time to the specimen, its faces move with (r - i)/Z and -t/Z and have the forces A (i + r) and A t.
 fn reduce(scene: &Scene, file: &ResultFile) -> Vec<Reduced> {
     let [striker, incident, specimen, _] = scene.bar.segments.as_slice() else { panic!("four segments") };
     let (c, z) = (incident.material.c0(), incident.material.impedance());
@@ -74,13 +72,13 @@ fn the_pulses_of_a_split_hopkinson_set_give_back_the_specimen_s_curve() {
         let out = folder.path().join("set.h5");
         let summary = run(&scene, Some(&out), &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
         let tracked = matches!(scene.solve.method, Method::FrontTracking { .. });
-        // Thinned fronts take some energy, which is shown; momentum is exact.
+        // Merged fronts dissipate some energy, which the ledger shows; momentum is exact.
         assert!(summary.ledger.energy_residual < 1e-9 && summary.ledger.momentum_residual < 1e-10, "{tracked}");
         let reduced = reduce(&scene, &ResultFile::open(&out).expect("a result file"));
         let specimen = &scene.bar.segments[2].material;
         let curve = specimen.branch(Sense::Compression);
-        // A sudden pulse needs some passages through the specimen until both faces carry one force but for a tenth of it:
-        // a plastic wave of 500 m/s takes 8 us for one. Front tracking at a tolerance of 3e-5 gets there at 40.0 us.
+        // A sudden pulse needs some transits of the specimen until the forces on both faces differ by less than a tenth: a plastic wave of 500 m/s
+        // takes 8 us for one. Front tracking with a tolerance of 3e-5 reaches this at 40.0 us.
         let mut seen = 0;
         for point in reduced.iter().filter(|p| p.time > 41e-6 && p.time < 150e-6) {
             let [front, back] = point.faces;
@@ -101,7 +99,7 @@ fn c0() -> f64 {
     (MODULUS / DENSITY).sqrt()
 }
 
-/// Elastic bars laid together, with lengths (m), areas (m^2) and velocities (m/s), and their joints.
+/// Returns elastic bars in contact, with lengths (m), areas (m^2) and velocities (m/s), and this joint.
 fn bars(parts: &[(f64, f64, f64)], joint: Joint) -> Vec<Segment> {
     let part = |&(length, area, velocity): &(f64, f64, f64)| {
         Segment::new(length, area, common::elastic_steel()).with_velocity(velocity).with_joint(joint)
@@ -132,7 +130,7 @@ fn a_step_in_section_lets_through_what_theory_says() {
             fronts.advance_to(until).expect("few events");
             let found = [600, 400].map(|cell| grid.value(Quantity::Stress, cell));
             let tracked = [0.6, 0.4].map(|x| fronts.state_at(x).stress);
-            // A contact joint never pulls: here it need not.
+            // A contact joint never pulls, which is not needed here.
             for (stress, expected) in
                 [found, tracked].iter().flat_map(|pair| pair.iter().zip([-50e6 * through, -50e6 * (1.0 + back)]))
             {
@@ -143,7 +141,7 @@ fn a_step_in_section_lets_through_what_theory_says() {
     }
 }
 
-/// Mean velocity of each bar, m/s.
+/// Returns the mean velocity of each bar, m/s.
 fn means(bar: &Leapfrog) -> Vec<f64> {
     let velocities = common::profile(bar, Quantity::Velocity);
     let mean = |part: &barwave::solver::fd::SegmentGrid| {
@@ -152,7 +150,7 @@ fn means(bar: &Leapfrog) -> Vec<f64> {
     bar.grid().segments.iter().map(mean).collect()
 }
 
-/// The same of a tracked bar.
+/// Returns the mean velocity of each part of a tracked bar, m/s.
 fn tracked_means(bar: &FrontTracking, lengths: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; lengths.len()];
     for piece in bar.pieces() {
@@ -163,9 +161,8 @@ fn tracked_means(bar: &FrontTracking, lengths: &[f64]) -> Vec<f64> {
 
 #[test]
 fn bars_laid_together_pass_the_pulse_on_to_the_last() {
-    // The pulse of the striker, 0.4 m long, goes through the second bar and into the third, from whose end it comes back as
-    // tension: the joint opens, and the third bar takes all momentum along, 0.2/0.5 of the striker's velocity. Nothing
-    // else moves.
+    // The pulse of the striker, 0.4 m long, passes through the second bar into the third, from whose end it returns as tension: the joint opens, and
+    // the third bar has the whole momentum, 0.2/0.5 of the velocity of the striker. The rest is at rest.
     let (lengths, free) = ([0.2, 0.5, 0.5], || [EndCondition::Free, EndCondition::Free]);
     let segments = || bars(&[(0.2, 0.7, 2.0), (0.5, 0.7, 0.0), (0.5, 0.7, 0.0)], Joint::Contact { gap: 0.0 });
     let until = 3.0 / c0();
@@ -177,7 +174,7 @@ fn bars_laid_together_pass_the_pulse_on_to_the_last() {
     }
     let joints: Vec<_> = fronts.contacts().collect();
     assert!(joints.iter().all(|joint| joint.open));
-    // The first opens when the striker's own wave is back, the second when the pulse has come back through the third bar.
+    // The first joint opens when the wave of the striker returns, the second when the pulse has returned through the third bar.
     let opened = joints.iter().map(|joint| joint.changes.last().map_or(f64::NAN, |change| change.time * c0()));
     for (time, expected) in opened.zip([0.4, 0.5 + 0.4 + 1e-300]) {
         assert!((time - expected).abs() < 1e-9, "{time} {expected}");
@@ -186,7 +183,7 @@ fn bars_laid_together_pass_the_pulse_on_to_the_last() {
     common::advance_to(&mut grid, until);
     let velocities = means(&grid);
     for (velocity, expected) in velocities.iter().zip([0.0, 0.0, 0.8]) {
-        // Half a step's push where bars meet and part, of some hundred steps.
+        // Half a step of acceleration where bars meet and separate, with some hundred steps.
         assert!((velocity - expected).abs() < 2.0 * 3.0 / 200.0, "{velocities:?}");
     }
     assert!(grid.contacts().all(|joint| joint.force == 0.0));
@@ -194,10 +191,10 @@ fn bars_laid_together_pass_the_pulse_on_to_the_last() {
 
 #[test]
 fn a_short_bar_comes_to_rest_and_is_struck_again() {
-    // The long bar, twice as long, takes all its momentum, is stopped by a wall 1 mm ahead of it, thrown back whole, and strikes.
+    // The long bar, twice as long, receives the whole momentum, is stopped by a wall 1 mm ahead of it, rebounds with its initial speed, and strikes.
     let segments = || bars(&[(0.25, 0.7, 2.0), (0.5, 0.7, 0.0)], Joint::Contact { gap: 0.0 });
     let ends = || [EndCondition::Free, EndCondition::Wall { gap: 1e-3 }];
-    // e = L_short/L_long: the long bar velocity 2 m/s times 1/2.
+    // e = L_short/L_long: the velocity of the long bar is 2 m/s times 1/2.
     let mut fronts = by_fronts(segments(), ends());
     fronts.advance_to(0.9 / c0()).expect("few events");
     let velocities = tracked_means(&fronts, &[0.25, 0.5]);
@@ -219,13 +216,12 @@ fn a_short_bar_comes_to_rest_and_is_struck_again() {
         pushed = pushing;
     }
     assert!(pushes >= 2, "{pushes}");
-    // What the moments of contact are right to, some steps, moves waves that cross each other.
+    // The times of contact are accurate to some steps, which shifts waves that cross each other.
     let velocities = means(&grid);
     assert!((velocities[0] - thrown[0]).abs() < 0.1, "{velocities:?} {thrown:?}");
 }
 
-/// Behind the pulse the incident bar is at rest and without stress, on the grid, too, at Courant number 1: parts that separate do not
-/// set the grid ringing from cell to cell.
+/// Behind the pulse, the incident bar is at rest and unstressed on the grid, too, at Courant number 1: parts that separate excite no odd-even mode.
 #[test]
 fn the_grid_does_not_ring_behind_the_pulse() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/split-hopkinson.toml");

@@ -1,5 +1,5 @@
-//! The result file: what goes in comes out, whatever way the writing ends.
-// A test that meets an error is to fail there.
+//! The result file: what is written can be read, however the writing ends.
+// Tests panic at the first unexpected error.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
@@ -18,7 +18,7 @@ const SPEED: f64 = 5000.0;
 const CELLS: usize = 300;
 const FRAMES: usize = 150;
 
-/// A step that travels to the right: -100 MPa and 2 m/s behind it.
+/// Returns a frame with a step that travels to the right: -100 MPa and 2 m/s behind it.
 fn frame(index: usize, x: &[f64]) -> Frame {
     let time = index as f64 * 1e-6;
     let behind = |x: f64| x <= SPEED * time;
@@ -224,7 +224,7 @@ fn other_numbers_and_compressions_read_alike() {
         let path = folder.path().join("step.h5");
         let layout = Layout { compression, precision: Precision::F32, ..layout() };
         finish(start(&path, &layout, FRAMES));
-        // -100e6 and 2 are exact in 4 bytes, so the comparison stays exact.
+        // -100e6 and 2 are exact in 4 bytes, so that the comparison is exact.
         assert_frames(&ResultFile::open(&path).unwrap(), &layout, FRAMES);
     }
 }
@@ -234,7 +234,7 @@ fn piece(index: usize) -> PathRow {
     PathRow { x0: n, t0: 0.1 * n, x1: n + 1.0, t1: 0.1 * n + 0.1, stress_jump: -n, speed: 10.0 }
 }
 
-/// More pieces than several chunks hold, handed over in lots that fill none.
+/// More front segments than several chunks hold, written in portions that fill no chunk.
 #[test]
 fn pieces_of_fronts_are_kept_whatever_the_compression() {
     let folder = tempfile::tempdir().unwrap();
@@ -249,7 +249,7 @@ fn pieces_of_fronts_are_kept_whatever_the_compression() {
         };
         finish(begin());
         assert_eq!(ResultFile::open(&path).unwrap().paths().unwrap(), pieces);
-        // Of a run that never ended a part of a chunk may be missing, where chunks are compressed.
+        // If a run never finishes, a part of a chunk may be missing where chunks are compressed.
         drop(begin());
         let kept = ResultFile::open(&path).unwrap().paths().unwrap();
         let lost = if compression == Compression::None { 0 } else { pieces.len() % 4096 };
@@ -303,7 +303,7 @@ fn what_is_no_result_file_is_a_clear_input_error() {
     assert!(complaint(&path).contains("this is not an HDF5 file"), "{}", complaint(&path));
 }
 
-/// The reader says what to do with files of other layouts, and does not read them by mistake.
+/// The reader refuses files of other layouts with help, and never reads them by mistake.
 #[test]
 fn files_of_another_format_version_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -316,13 +316,13 @@ fn files_of_another_format_version_are_refused() {
         let Error::Input(error) = ResultFile::open(&path).unwrap_err() else { panic!("no input error") };
         assert!(error.message.contains(&format!("format version {version}; this program reads {FORMAT_VERSION}")));
         assert!(error.help.contains(said), "{}", error.help);
-        // The scene of an older one can be run again, that of a newer one may mean something else.
+        // The scene of an older file can be run again; that of a newer file may have another meaning.
         let scene = StoredScene::read(&path).map(|_| ()).map_err(|error| error.to_string());
         assert!(version < FORMAT_VERSION || scene.is_err_and(|error| error.contains("format version")));
     }
 }
 
-/// Geometry, forces and units that a reader needs are in the file.
+/// The file contains the geometry, forces and units that a reader needs.
 #[test]
 fn the_file_has_its_geometry_and_units() {
     let folder = tempfile::tempdir().unwrap();
@@ -359,8 +359,8 @@ fn every_column_has_its_unit() {
     assert!(columns > 40, "{columns}");
 }
 
-/// A child process shares the open files, and with them the locks, until it executes its program. Tests that start programs while others
-/// write files met "another run writes this file" after the file had been closed.
+/// A child process shares open files and their locks until it executes its program. Tests that start programs while others write files must not
+/// encounter "another run writes this file" after a file has been closed.
 #[cfg(unix)]
 #[test]
 fn a_finished_file_is_free_although_a_child_was_forked_meanwhile() {
@@ -380,7 +380,7 @@ fn a_finished_file_is_free_although_a_child_was_forked_meanwhile() {
                 }
                 Ok(())
             };
-            // SAFETY: between fork and exec the child only makes one file, looks for another and sleeps.
+            // SAFETY: between fork and exec the child only creates one file, looks for another and sleeps.
             #[allow(unsafe_code)]
             unsafe {
                 command.pre_exec(wait);

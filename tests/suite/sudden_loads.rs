@@ -1,5 +1,5 @@
-//! Peak forces of ends and joints that are suddenly loaded beyond yield: both schemes on a grid, at any resolution, against front tracking, which
-//! has the exact force.
+//! Peak forces of ends and joints that are suddenly loaded beyond yield, with both schemes on a grid, at any resolution, against front tracking,
+//! which has the exact force.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -13,14 +13,14 @@ use crate::common::binary;
 
 const BILINEAR: &str = "{ density = 7800, modulus = \"200 GPa\", beyond = \"extend\", curve = { table = [[0.001, \"200 MPa\"], [0.101, \"1200 MPa\"]] } }";
 
-/// A bar of annealed copper with these ends and other keys of the bar.
+/// Returns a bar of annealed copper with these ends and further keys of the bar.
 fn copper(bar: &str, left: &str) -> String {
     format!(
         "[bar]\nlength = \"0.2 m\"\narea = \"1 cm^2\"\nmaterial = \"copper-annealed\"\n{bar}\n[left]\n{left}\n[right]\nkind = \"free\"\n"
     )
 }
 
-/// Copper at 40 m/s on mild steel, which is fixed at its far end.
+/// Returns copper that strikes mild steel at 40 m/s; the far end of the steel is fixed.
 fn copper_on_steel(gap: &str) -> String {
     let segment = |material: &str, more: &str| {
         format!("[[bar.segment]]\nlength = \"0.2 m\"\narea = \"1 cm^2\"\nmaterial = \"{material}\"\n{more}\n")
@@ -29,7 +29,7 @@ fn copper_on_steel(gap: &str) -> String {
     format!("{copper}{}[left]\nkind = \"free\"\n[right]\nkind = \"fixed\"\n", segment("mild-steel", ""))
 }
 
-/// A foam that locks up behind the shock of an end at constant velocity.
+/// Returns a foam that locks up behind the shock of an end at constant velocity.
 fn foam() -> String {
     let curve = "[[0, 0], [0.01, \"1 MPa\"], [0.6, \"1.2 MPa\"], [0.7, \"5 MPa\"]]";
     let material =
@@ -53,7 +53,7 @@ fn read(summary: &Value, pointer: &str) -> f64 {
     summary.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer} in {summary}"))
 }
 
-/// A bilinear bar of 1 m under a stress (MPa, at times in us), with these effects.
+/// Returns the summary of a bilinear bar of 1 m under a stress (MPa, at times in us), with these effects.
 fn stressed(history: &[(f64, f64)], effects: &str, cells: usize) -> Value {
     let rows: Vec<String> = history.iter().map(|(time, stress)| format!("[\"{time} us\", \"{stress} MPa\"]")).collect();
     let curve = "{ table = [[0.0015, \"300 MPa\"], [0.052, \"400 MPa\"]] }";
@@ -66,11 +66,12 @@ fn stressed(history: &[(f64, f64)], effects: &str, cells: usize) -> Value {
     ))
 }
 
-/// Plastic strain behind the fan of 360 MPa there.
+/// Plastic strain behind the fan of 360 MPa.
 const BEHIND_360_MPA: f64 = 60e6 * (0.0505 / 100e6 - 1.0 / 200e9);
 
-/// The first cell flowed as if the bar went on beyond its end as in a mirror, and lagged behind the load: with damping of any kind and size, and any
-/// hardening that front tracking does not follow, the bar had 7.7 % too much strain after the rise, and 24 % less elongation after a pulse than exact.
+/// The first cell must not flow as if the bar continued beyond its end as in a mirror, behind the load. Otherwise, with damping of any kind and size,
+/// and with hardening rules that front tracking does not support, the bar has 7.7 % too much strain after the rise, and 24 % less elongation after a
+/// pulse than exact.
 #[test]
 fn a_stress_that_rises_starts_its_fan_beside_forces_and_by_any_rule() {
     let (isotropic, hold) = ("hardening = \"isotropic\"", [(0.0, 0.0), (20.0, -360.0), (40.0, -360.0)]);
@@ -93,7 +94,7 @@ fn a_stress_that_rises_starts_its_fan_beside_forces_and_by_any_rule() {
     }
 }
 
-/// Where no fan is known the first cell flows as its end loads it: it had 7 to 8 % too much strain.
+/// Without a known fan, the first cell flows under the load of its end: otherwise, it has 7 to 8 % too much strain.
 #[test]
 fn a_stress_that_rises_leaves_a_bar_without_a_fan_its_strain() {
     let hold = [(0.0, 0.0), (20.0, -360.0), (40.0, -360.0)];
@@ -104,7 +105,7 @@ fn a_stress_that_rises_leaves_a_bar_without_a_fan_its_strain() {
     }
 }
 
-/// While its fan was narrow, a stress gave nodes more than its own impulse: 0.6 % with 500 cells.
+/// While its fan is narrow, a stress must not give nodes more than its own impulse (0.6 % with 500 cells).
 #[test]
 fn a_prescribed_stress_gives_its_own_impulse() {
     let impulse = "/figures/left/impulse_N_s";
@@ -127,7 +128,7 @@ fn a_prescribed_stress_gives_its_own_impulse() {
     }
 }
 
-/// The force of a bar that moves against a dashpot was 2.3 times too large by leapfrog, and 6 % by the Godunov scheme.
+/// Without its fan, the force of a bar that moves against a dashpot is 2.3 times too large with leapfrog, and 6 % with the Godunov scheme.
 #[test]
 fn peaks_are_those_behind_the_fan_on_any_grid() {
     let end = "/figures/left/peak_force_N";
@@ -157,8 +158,8 @@ fn peaks_are_those_behind_the_fan_on_any_grid() {
     }
 }
 
-/// The first nodes did not move in the first step, in which the slower fronts were already spread over them: the first cell had 2.3 % too much strain,
-/// and the force was 1.2 % too large, at any resolution. What is left is a wave of the place at which the scheme takes over from the exact fan.
+/// The slower fronts of the fan must also move the first nodes in the first step. Otherwise, the first cell has 2.3 % too much strain, and the force
+/// is 1.2 % too large, at any resolution. The remaining ripples depend on where the scheme continues from the exact fan.
 #[test]
 fn a_bilinear_bar_rings_little_after_its_start() {
     let curve = "{ table = [[0.001, \"200 MPa\"], [0.05, \"1180 MPa\"]] }";
@@ -180,9 +181,10 @@ fn a_bilinear_bar_rings_little_after_its_start() {
     }
 }
 
-/// Largest residual strains, which are those of the first cells. The nodes beside such an end or joint moved as the scheme had it: at any resolution
-/// 5 to 6 % too much strain at an end under a stress, 15 % (bilinear) to 22 % (copper) at a contact, also behind a gap, 9 % (copper) to 13 %
-/// (bilinear) under a striker and 10 % at a contact of a foam, beside which nothing damped its cells; by the Godunov scheme 6 to 9 % everywhere.
+/// The largest residual strains, which are those of the first cells, agree with the fan. Without its motion of the nodes beside such an end or joint,
+/// at any resolution, there is 5 to 6 % too much strain at an end under a stress, 15 % (bilinear) to 22 % (copper) at a contact, also behind a gap, 9
+/// % (copper) to 13 % (bilinear) under a striker, and 10 % at a contact of a foam, beside which nothing damps its cells; with the Godunov scheme 6 to
+/// 9 % everywhere.
 #[test]
 fn first_cells_have_the_strain_of_the_fan() {
     let stress = "kind = \"stress\"\nvalue = -150e6";
@@ -232,7 +234,7 @@ fn first_cells_have_the_strain_of_the_fan() {
     }
 }
 
-/// Of a curve with many fronts.
+/// The curve has many fronts.
 #[test]
 fn an_end_under_a_constant_stress_has_the_strain_of_the_curve() {
     let scene = "[bar]\nlength = \"0.1 m\"\narea = \"1 cm^2\"\nmaterial = \"copper-ofhc-taylor-jc\"\n[left]\nkind = \"stress\"\nvalue = -400e6\n[right]\nkind = \
@@ -245,8 +247,8 @@ fn an_end_under_a_constant_stress_has_the_strain_of_the_curve() {
     }
 }
 
-/// With internal damping the force of a sudden impact is that of the rate of strain, far above yield (413.7 MPa, 210 kN): it is not the inertia of
-/// half a cell, and histories show it.
+/// With internal damping, the force of a sudden impact is that of the strain rate, far above yield (413.7 MPa, 210 kN): it is not the inertia of half
+/// a cell, and histories show it.
 #[test]
 fn a_damped_bar_shows_its_viscous_force() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/runs/damped-bar.toml");
@@ -259,8 +261,8 @@ fn a_damped_bar_shows_its_viscous_force() {
     assert!(force < -1.5 * 210e3, "{force:e} N");
 }
 
-/// Behind the fan of a tapered bar the state changes as the fan travels: the history shows that behind the fan as long as it hardly changes, and then
-/// that of the scheme. It started with half of the stress.
+/// Behind the fan of a tapered bar, the state changes as the fan travels: the history has the state behind the fan as long as it hardly changes, and
+/// then that of the scheme. It must not start with half of the stress.
 #[test]
 fn a_tapered_bar_starts_with_its_fan_and_goes_on_as_its_section_changes() {
     let stresses = |cells: usize| {
@@ -280,8 +282,8 @@ fn a_tapered_bar_starts_with_its_fan_and_goes_on_as_its_section_changes() {
     }
 }
 
-/// -34.1 + 68.4 is not 34.3 in floating-point numbers: such an end had no fan, and the first cell 22 % too much strain by leapfrog, 17 % by the Godunov
-/// scheme, at any resolution.
+/// In floating-point numbers, -34.1 + 68.4 is not 34.3: such an end must have its fan, too. Otherwise, the first cell has 22 % too much strain with
+/// leapfrog, 17 % with the Godunov scheme, at any resolution.
 #[test]
 fn an_end_that_moves_against_a_moving_bar_starts_with_its_fan() {
     let foam = "{ density = 5510, modulus = \"3 GPa\", beyond = \"extend\", curve = { table = [[8.92e-4, 2.676e6], [2.11e-2, 7.34e6], [2.41e-2, 7.44e6]] } }";
@@ -297,8 +299,8 @@ fn an_end_that_moves_against_a_moving_bar_starts_with_its_fan() {
     }
 }
 
-/// Without fans leapfrog answered elastically in the first step beside a taper, or where the state at t = 0 changes along a segment: forces
-/// at joints were 60 to 94 % too large at any resolution, at a dashpot 156 %, at walls 5 and 10 %.
+/// Without fans, the response of leapfrog in the first step is elastic beside a taper, or where the initial state varies along a segment: forces at
+/// joints are 60 to 94 % too large at any resolution, at a dashpot 156 %, at walls 5 and 10 %.
 #[test]
 fn tapers_and_uneven_states_start_with_fans() {
     let segment =
@@ -341,8 +343,9 @@ fn tapers_and_uneven_states_start_with_fans() {
     }
 }
 
-/// A wave that has come to one of the cells beside a joint has not passed it yet: the mean of both was the largest force, 94 % too large by both
-/// schemes at any resolution. Where faces touch, leapfrog first gives the force between elastic bars, which is as much.
+/// A wave that has reached one of the cells beside a joint has not passed the joint yet: the mean of both must not be the largest force, 94 % too
+/// large with both schemes at any resolution. Nor must the force between elastic bars, which leapfrog computes first where faces touch, and which is
+/// as large.
 #[test]
 fn a_joint_carries_what_has_passed_it() {
     let soft = "{ density = 3850, modulus = \"120 GPa\", beyond = \"extend\", curve = { formula = \"swift\", K = \"569 MPa\", prestrain = 0.002, n = 0.328 } }";
@@ -365,8 +368,8 @@ fn a_joint_carries_what_has_passed_it() {
     }
 }
 
-/// The force of a stiff spring rises faster than plastic waves leave the first cells, and by leapfrog the mass of half a cell oscillated on it: the largest
-/// force was 136, 46 and 7 % too large with these cells, and 17, 13 and 2 % by the Godunov scheme.
+/// The force of a stiff spring increases faster than plastic waves leave the first cells, and with leapfrog the mass of half a cell would oscillate
+/// on it: the largest force would be 136, 46 and 7 % too large with these cells, and 17, 13 and 2 % with the Godunov scheme.
 #[test]
 fn bars_that_run_against_a_stiff_spring_start_with_its_wave() {
     let copper = "\"copper-annealed\"";
@@ -406,13 +409,13 @@ fn bars_that_run_against_a_stiff_spring_start_with_its_wave() {
     }
 }
 
-/// Largest stress of the right end in its history, Pa.
+/// Returns the largest stress in the history of the right end, Pa.
 fn largest_stress(scene: &Scene) -> f64 {
     let [_, right] = solve_ends(scene);
     right.stress.iter().fold(0.0, |most: f64, stress| most.max(stress.abs()))
 }
 
-/// Likewise where a wave comes to the spring first. The plastic strain was up to 33 % too large by leapfrog, and the force up to 19 %.
+/// The same if a wave reaches the spring first. Otherwise, the plastic strain is up to 33 % too large with leapfrog, and the force up to 19 %.
 #[test]
 fn a_stiff_spring_starts_its_wave_as_another_one_comes_to_it() {
     for (stiffness, cells) in [(3e9, 200), (3e9, 1000), (3e9, 4000), (1e10, 200), (1e9, 1000)] {
@@ -438,8 +441,8 @@ fn a_stiff_spring_starts_its_wave_as_another_one_comes_to_it() {
     }
 }
 
-/// The precursor of a plastic wave comes with just the yield stress, and a wall would throw it back as a plastic wave alone. A spring takes the bar
-/// to no stress first, and from there elastically: its force rises as `2 sigma_y A (1 - exp(-k t/Z))`, not nine times as fast.
+/// The precursor of a plastic wave arrives with just the yield stress, which a wall would reflect as a plastic wave only. A spring first takes the
+/// bar to zero stress, and from there on loads it elastically: its force increases as `2 sigma_y A (1 - exp(-k t/Z))`, not nine times as fast.
 #[test]
 fn a_spring_answers_a_precursor_elastically() {
     let material = "{ density = 2700, modulus = \"120 GPa\", curve = { table = [[0, 0], [0.0004166666666666667, 50], [0.08041666666666666, 146]], unit = \"MPa\" } }";
@@ -461,8 +464,8 @@ fn a_spring_answers_a_precursor_elastically() {
     }
 }
 
-/// The velocity of the bar changes along it, and the curve is followed both ways, so that unloading waves are fans, too. Those of the left end, later, were
-/// taken for its start: cells 1 to 4 moved at once.
+/// The velocity of the bar varies along it, and the curve is followed both ways, so that unloading waves are fans, too. Later ones of the left end
+/// must not count as its initial fan, which would move cells 1 to 4 at once.
 #[test]
 fn uneven_bars_start_with_the_first_fans_of_their_ends_alone() {
     let striker = |velocity: f64| format!("kind = \"striker\"\nmass = 0.0348\nvelocity = {velocity}\n");
@@ -484,7 +487,8 @@ fn uneven_bars_start_with_the_first_fans_of_their_ends_alone() {
     }
 }
 
-/// A known miss, as docs/guide/methods.md states it: the wave of a joint that yields comes back to it, and the overshoot of one or two steps travels on along the elastic bar.
+/// A known error, stated in docs/guide/methods.md: the wave of a joint that yields returns to it, and the overshoot of one or two steps travels on
+/// along the elastic bar.
 #[test]
 fn a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end() {
     let hard = "{ density = 4900, modulus = \"200 GPa\", beyond = \"extend\", curve = { table = [[1.64e-3, \"328 MPa\"], [1.886e-2, \"1016.8 MPa\"]] } }";
@@ -502,7 +506,8 @@ fn a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end() {
     }
 }
 
-/// Just beyond yield the first cell had 25 % too much plastic strain; what is left is as much of all strain as elsewhere.
+/// Without the fan, the first cell has 25 % too much plastic strain just beyond yield; the remaining error relative to the total strain is as small
+/// as elsewhere.
 #[test]
 fn a_dashpot_that_hardly_makes_a_bar_yield_leaves_little_too_much_strain() {
     let material = "{ density = 7850, modulus = \"70 GPa\", beyond = \"extend\", curve = { table = [[0.00357, \"249.9 MPa\"], [0.03745, \"2275.2 MPa\"]] } }";
@@ -518,8 +523,8 @@ fn a_dashpot_that_hardly_makes_a_bar_yield_leaves_little_too_much_strain() {
     }
 }
 
-/// Heat is a state of the cells there, and the bar had no fan: its end was free in the first step, and the first cell kept 20 % too much strain at any
-/// resolution. First loading heats it as isotropic hardening does, which front tracking follows.
+/// With a temperature as state variable of the cells, the bar has its fan, too: first loading heats it as isotropic hardening does, which front
+/// tracking supports. Otherwise, its end is free in the first step, and the first cell retains 20 % too much strain at any resolution.
 #[test]
 fn heat_with_any_hardening_starts_with_the_fan() {
     let material = "{ density = 8960, modulus = \"124 GPa\", beyond = \"extend\", \
@@ -549,8 +554,8 @@ fn heat_with_any_hardening_starts_with_the_fan() {
     }
 }
 
-/// Forces along the bar change nothing at first. The bar had no fan: the history of a moving end began at 0, the first cell kept 17 % too much strain at any
-/// resolution under a velocity or a striker, and 2 to 7 % under a stress; and 6 % too little at a dashpot.
+/// Distributed forces have no effect at first, so that the bar starts with its fan. Otherwise, the history of a moving end starts at 0, and the first
+/// cell retains 17 % too much strain at any resolution under a velocity or a striker, 2 to 7 % under a stress, and 6 % too little at a dashpot.
 #[test]
 fn bars_with_forces_along_them_start_with_the_fan() {
     let striker = "kind = \"striker\"\nmass = 5\nvelocity = 30";

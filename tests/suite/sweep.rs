@@ -1,4 +1,4 @@
-//! `barwave sweep` and `barwave merge`: one table whatever the threads, the shards and the interruptions.
+//! `barwave sweep` and `barwave merge`: the table is the same for any number of threads and shards, and after interruptions.
 
 use crate::common::binary;
 
@@ -42,13 +42,13 @@ fn text(folder: &Path, name: &str) -> String {
     std::fs::read_to_string(folder.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-/// Rows of a table without its comment.
+/// Returns the rows of a table without its comment.
 fn records(table: &str) -> Vec<csv::StringRecord> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).has_headers(false).from_reader(table.as_bytes());
     reader.records().collect::<Result<_, _>>().expect("a table")
 }
 
-/// A table holds results of one material, whatever happens to its file in between.
+/// All results of a table are for the same material: a sweep is not continued after a change of the material file.
 #[test]
 fn a_sweep_is_continued_only_with_unchanged_materials() {
     let axes = "\"bar.material\" = [\"copper-annealed\", \"own.toml\"]\n\"left.value\" = [-5, -30]\n";
@@ -108,7 +108,7 @@ fn threads_shards_and_merging_change_no_byte() {
     let message = failed(path, &["merge", "parts", "-o", "all.h5"], 1);
     assert!(message.contains("8 of 24 cases are missing: 1, 4, 7, 10, 13, 16, 19, 22;"), "{message}");
     assert!(!path.join("all.h5").exists());
-    // The second shard as a job array of Slurm would run it.
+    // The second shard, as a Slurm job array would run it.
     let mut slurm = Command::new(env!("CARGO_BIN_EXE_barwave"));
     slurm.current_dir(path).args(["sweep", "sweep.toml", "-o", "parts", "--quiet"]);
     let variables = [("SLURM_ARRAY_TASK_ID", "2"), ("SLURM_ARRAY_TASK_COUNT", "3"), ("SLURM_ARRAY_TASK_MIN", "1")];
@@ -123,7 +123,7 @@ fn threads_shards_and_merging_change_no_byte() {
     assert!(failed(path, &["merge", "one", "other", "-o", "mixed.h5"], 2).contains("contain different sweeps"));
 }
 
-/// Files of the user with the names of the tables were replaced.
+/// User files with the names of the tables are not replaced.
 #[test]
 fn only_tables_of_sweeps_are_replaced() {
     let two = "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n\"left.value\" = [-5, -10]\n";
@@ -154,17 +154,17 @@ fn only_tables_of_sweeps_are_replaced() {
         assert_eq!(text(path, name), "mine\n");
         done(path, &["merge", "out", "-o", "all.h5", "--force"]);
     }
-    // A table is replaced by the next one.
+    // A table may be replaced by the next one.
     std::fs::write(path.join("all.csv"), "").expect("a file");
     done(path, &["merge", "out", "-o", "all.h5"]);
     done(path, &["merge", "out", "-o", "all.h5"]);
     assert_eq!(text(path, "all.csv"), text(path, "out/table.csv"));
-    // The result of a run is none.
+    // The result of a run is not a table.
     done(path, &["run", "scene.toml", "-o", "run.h5", "--quiet"]);
     assert!(failed(path, &["merge", "out", "-o", "run.h5"], 2).contains("is not the table of a sweep"));
 }
 
-/// Plain numbers are in SI: the units of an axis are those with which the scene reads its key, whatever the kind of the end or the mode.
+/// Plain numbers are in SI units: the unit of an axis is that in which the scene reads its key, for any kind of end and mode.
 #[test]
 fn axes_of_plain_numbers_have_units_and_rows_their_values() {
     let axes = "\"left.value\" = { from = -5, to = \"-18 km/h\", count = 1 }\n\"bar.length\" = [0.5, 1]\n\"solve.until\" = [1e-4]\n\
@@ -208,7 +208,7 @@ fn a_killed_sweep_is_resumed_and_runs_no_case_twice() {
         child.kill().expect("killed");
         child.wait().expect("it ends");
     }
-    // A row that a kill cut.
+    // A row that is incomplete because the process was killed.
     let rows = path.join("killed/rows.jsonl");
     let mut cut = std::fs::read_to_string(&rows).unwrap_or_default();
     let kept = cut.lines().count();
@@ -222,7 +222,7 @@ fn a_killed_sweep_is_resumed_and_runs_no_case_twice() {
         .map(|line| serde_json::from_str::<Value>(line).expect("a row")["case"].as_u64().expect("a number"))
         .collect();
     assert_eq!((cases.len(), cases.iter().collect::<BTreeSet<_>>().len()), (60, 60));
-    // What has ended stays as it is, and another sweep is not continued in its place.
+    // A finished sweep remains unchanged, and another sweep is not continued in its folder.
     done(path, &["sweep", "sweep.toml", "-o", "killed", "--resume"]);
     assert!(failed(path, &["sweep", "sweep.toml", "-o", "killed"], 2).contains("already contains a sweep"));
     std::fs::write(path.join("scene.toml"), SCENE.replace("250 us", "200 us")).expect("a file");
@@ -248,13 +248,13 @@ fn a_case_that_fails_is_a_row_with_its_reason() {
     std::fs::write(folder.path().join("sweep.toml"), wrong).expect("a file");
     let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "typo"], 2);
     assert!(message.contains("every case is refused") && message.contains("valve"), "{message}");
-    // Nothing is left; what was there before stays.
+    // Nothing is left, and existing files remain.
     assert!(!folder.path().join("typo").exists());
     std::fs::create_dir(folder.path().join("typo")).expect("a folder");
     std::fs::write(folder.path().join("typo/notes.txt"), "mine").expect("a file");
     failed(folder.path(), &["sweep", "sweep.toml", "-o", "typo"], 2);
     assert_eq!(std::fs::read_dir(folder.path().join("typo")).expect("a folder").count(), 1);
-    // Shards keep their rows for the others, and the corrected sweep takes their folder.
+    // Shards keep their rows for the others, and the corrected sweep uses their folder.
     failed(folder.path(), &["sweep", "sweep.toml", "-o", "typo", "--shard", "1/2"], 2);
     assert!(folder.path().join("typo/shard-1-of-2/rows.jsonl").exists());
     std::fs::write(folder.path().join("sweep.toml"), wrong.replace("valve", "value")).expect("a file");
@@ -319,7 +319,7 @@ fn the_table_has_decimal_values_and_no_column_of_an_object() {
     let rows = records(&table);
     let times: Vec<&str> = rows[1..].iter().step_by(2).map(|row| &row[1]).collect();
     assert_eq!(times, ["1e-5", "1.01e-5", "1.02e-5", "1.03e-5"]);
-    // The bar of steel stays elastic: the check is an object there and null for copper.
+    // The steel bar stays elastic: its elastic check is an object, and null for copper.
     let names: Vec<&str> = rows[0].iter().filter(|name| name.starts_with("elastic_check")).collect();
     assert_eq!(names, ["elastic_check.expected_Pa", "elastic_check.relative", "elastic_check.stress_Pa"]);
 }
@@ -370,7 +370,7 @@ fn wrong_keys_and_metrics_are_named() {
     let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out"], 2);
     assert!(message.contains("unknown metric `left.peak_forc_N`"), "{message}");
     assert!(message.contains("did you mean `left.peak_force_N`?") && !folder.path().join("out").exists(), "{message}");
-    // A name that other bars have.
+    // A metric that exists for other bars.
     let folder = scenes(&sweep("\"left.restitution\", \"left.peak_force_N\"", "bar.length"));
     let output = barwave(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
     let message = String::from_utf8_lossy(&output.stderr);
@@ -379,14 +379,14 @@ fn wrong_keys_and_metrics_are_named() {
     let folder = scenes(&sweep("", "bar.length").replace("[0.5, 0.6]", "{ log-uniform = [1, 2], samples = 3 }"));
     let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out"], 2);
     assert!(message.contains("unknown field `log-uniform`"), "{message}");
-    // A refused case says which key is out of range, without the place in the command line.
+    // The message of a refused case names the key that is out of range, without its position in the command line.
     let folder = scenes(&sweep("", "bar.length").replace("[0.5, 0.6]", "[0.5, -1]"));
     done(folder.path(), &["sweep", "sweep.toml", "-o", "out"]);
     let table = text(folder.path(), "out/table.csv");
     assert!(table.contains("refused,") && table.contains("`bar.length`") && !table.contains("--set"), "{table}");
 }
 
-/// Impacts without waves in a bar have figures of their own; a sweep without numbers to draw sums up all the same.
+/// Impacts without waves in a bar have figures of their own; a sweep without numbers to draw still has a summary.
 #[test]
 fn other_scenes_are_drawn_too() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/runs/plate.toml");
@@ -400,7 +400,7 @@ fn other_scenes_are_drawn_too() {
     assert!(summary.contains("table.csv") && !summary.contains("a.svg"), "{summary}");
 }
 
-/// Random samples have no order that a line could follow.
+/// Random samples have no order, and are drawn without a line.
 #[test]
 fn samples_are_drawn_as_points() {
     let folder = scenes(
@@ -429,12 +429,12 @@ fn the_figure_has_a_line_for_every_material() {
     }
     // The right end is free.
     assert!(!figure.contains("peak force at the right end") && !figure.contains("left.peak_force_N"));
-    // A mark for every case, and axes that end at zero where no value lies beyond.
+    // A mark for every case, and axes that end at zero if no value lies beyond.
     assert!(figure.matches("<circle").count() >= 24, "{figure}");
     let attribute = figure.split("data-x=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("an axis");
     let ends: Vec<f64> = attribute.split(' ').map(|end| end.parse().expect("a number")).collect();
     assert!(ends[0] < -115.0 && ends[1] <= 0.0, "{ends:?}");
-    // A sweep that has ended is drawn without running a case.
+    // A finished sweep is drawn without running a case.
     let summary = done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--resume", "--plot", "b.svg"]);
     assert!(!summary.contains("cases/s"), "{summary}");
     assert_eq!(text(folder.path(), "b.svg"), figure);

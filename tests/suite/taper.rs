@@ -22,18 +22,18 @@ fn tapered(segment: Segment, profile: Profile, rows: &[(f64, f64)]) -> Segment {
     Segment { area: taper.mean(0.0, segment.length), taper: Some(Arc::new(taper)), ..segment }
 }
 
-/// A cone between x = 1/2 and 3/2 from its point (as far as diameters go), 1 m long.
+/// Returns a cone of 1 m between the distances 1/2 and 3/2 from its apex, as far as diameters are concerned.
 fn cone(material: barwave::material::Material) -> Segment {
     tapered(common::segment(material, 1.0), Profile::Diameter, &[(0.0, 0.01), (1.0, 0.03)])
 }
 
 const POINT: f64 = 0.5;
 
-/// In a cone x u = f(x - c t) exactly. f is smooth: sin^6 over a width of `LONG`, as a function of s = c t - (x - x0).
+/// In a cone, x u = f(x - c t) exactly. f is smooth: sin^6 over a width of `LONG`, as a function of s = c t - (x - x0).
 const LONG: f64 = 0.4;
 const HIGH: f64 = 1e-5;
 
-/// f and its first derivative.
+/// Returns f and its first derivative.
 fn shape(s: f64) -> [f64; 2] {
     if !(0.0..LONG).contains(&s) {
         return [0.0; 2];
@@ -43,16 +43,16 @@ fn shape(s: f64) -> [f64; 2] {
     [HIGH * sin.powi(6), 6.0 * HIGH * k * sin.powi(5) * cos]
 }
 
-/// Stress and velocity of `u = f(s)/X`, X being the distance from the cone's point.
+/// Returns stress and velocity of `u = f(s)/X`, where X is the distance from the apex of the cone.
 fn exact(x: f64, t: f64) -> [f64; 2] {
     let point = POINT + x;
     let [f, slope] = shape(c0() * t - x);
     [-common::MODULUS * (slope / point + f / (point * point)), c0() * slope / point]
 }
 
-/// Relative L1 errors of stress and velocity of the pulse half-way.
+/// Returns the relative L1 errors of stress and velocity when the pulse is half-way.
 fn cone_errors(cells: usize, cfl: f64) -> [f64; 2] {
-    // Four thousand straight pieces miss the smooth velocity by 1e-6 of it, a tenth of the smallest error below.
+    // Four thousand straight pieces approximate the smooth velocity to 1e-6 of it, a tenth of the smallest error below.
     let (rows, end) = (4000, LONG / c0());
     let row = |i: u32| f64::from(i) / f64::from(rows) * end;
     let drive: Vec<(f64, f64)> = (0..=rows).map(|i| (row(i), exact(0.0, row(i))[1])).collect();
@@ -87,7 +87,7 @@ fn a_spherical_wave_in_a_cone_is_of_second_order() {
     }
 }
 
-/// A pulse that is long beside the horn gets through it as through a step; a short one grows like sqrt(A1/A2).
+/// A pulse much longer than the horn is transmitted as by a step in area; a short one grows as sqrt(A1/A2).
 #[test]
 fn a_short_pulse_grows_with_the_root_of_the_areas() {
     let thin = |segment| tapered(segment, Profile::Diameter, &[(0.0, 0.02), (1.0, 0.01)]);
@@ -96,8 +96,8 @@ fn a_short_pulse_grows_with_the_root_of_the_areas() {
     let mut bar = common::leapfrog(vec![thin(common::segment(common::elastic_steel(), 1.0))], ends, None, 2000, 1.0);
     common::advance_to(&mut bar, 0.9 / c0());
     let peak = common::profile(&bar, Quantity::Stress).iter().fold(0.0_f64, |m, s| m.min(*s));
-    // The start of the level top has come to x = 0.9 - 0.005: diameter 11.05 mm. What the wave leaves behind is about its
-    // length over the cone's.
+    // The start of the level part has reached x = 0.9 - 0.005: diameter 11.05 mm. The relative stress behind the wave is about its length divided by
+    // that of the cone.
     let grown = -1e6 * 20.0 / 11.05;
     assert!((peak / grown - 1.0).abs() < 0.01, "{peak} {grown}");
 }
@@ -120,7 +120,7 @@ fn a_taper_that_changes_nothing_is_the_uniform_bar_to_the_last_bit() {
         common::advance(&mut level, 700);
         assert_eq!(quantities(&uniform), quantities(&level));
         assert_eq!(uniform.right().velocity(), level.right().velocity());
-        // Sums in another order.
+        // The sums have another order.
         let [a, b] = [&uniform, &level].map(|bar| bar.energies().total());
         assert!((a / b - 1.0).abs() < 1e-13, "{a} {b}");
     }
@@ -139,7 +139,7 @@ fn a_scene_s_table_of_one_size_is_no_taper() {
     let (plain, table) = (read("\"1 cm^2\""), read("[[0, \"1 cm^2\"], [\"1 m\", \"1 cm^2\"]]"));
     assert!(table.bar.segments[0].taper.is_none());
     assert_eq!(plain.resolved_json(), table.resolved_json());
-    // A uniform segment keeps nothing for its cells.
+    // A uniform segment stores nothing for its cells.
     let wedge = read("[[0, \"1 cm^2\"], [\"1 m\", \"3 cm^2\"]]");
     assert!((wedge.bar.segments[0].area - 2e-4).abs() < 1e-18);
     assert_eq!(wedge.resolved_json()["bar"]["segment"][0]["taper"]["size"], serde_json::json!([1e-4, 3e-4]));
@@ -151,7 +151,7 @@ fn light(length: f64) -> Segment {
     common::segment(material, length)
 }
 
-/// A wedge and a cone of two materials and with three blocks each, between devices of every kind.
+/// Returns a wedge and a cone of two materials, with three blocks each.
 fn two_tapers(joint: Joint) -> Vec<Segment> {
     let first = common::segment(common::bilinear_steel(), 0.6).with_velocity(12.0).with_joint(joint);
     let first = tapered(first, Profile::Area, &[(0.0, 3.0), (0.2, 1.0), (0.6, 2.0)]);
@@ -186,7 +186,7 @@ fn momentum_and_energy_of_plastic_tapers_are_accounted_for_to_rounding() {
     }
 }
 
-/// Largest difference in stress between a bar with a neck, moved at one end, and its mirror image, over the yield stress.
+/// Returns the largest difference in stress between a bar with a neck, moved at one end, and its mirror image, relative to the yield stress.
 fn mirror_difference(velocity: f64) -> f64 {
     let rows = [(0.0, 2.0), (0.25, 1.0), (1.0, 1.5)];
     let mirrored: Vec<(f64, f64)> = rows.iter().rev().map(|&(x, a)| (1.0 - x, a)).collect();
@@ -204,9 +204,9 @@ fn mirror_difference(velocity: f64) -> f64 {
 
 #[test]
 fn a_taper_and_its_mirror_image_agree() {
-    // Not to the last bit: areas are interpolated from the other side, and blocks of cells meet elsewhere.
+    // Not to the last bit: areas are interpolated from the other side, and the borders of blocks of cells are elsewhere.
     assert!(mirror_difference(1.5) < 1e-12, "{:e}", mirror_difference(1.5));
-    // Where the bar yields, the damping of ripples looks at signs: what is zero in one image is rounding in the other.
+    // Where the bar yields, the grid filter depends on signs: zero in one image is rounding in the other.
     assert!(mirror_difference(20.0) < 1e-4, "{:e}", mirror_difference(20.0));
 }
 
@@ -227,7 +227,7 @@ fn tracked(scene: &Scene) -> FrontTracking {
     bar
 }
 
-/// f' is level over a length of 0.2 m: the end's velocity is a rectangular pulse, and after it nothing moves there.
+/// f' is constant over a length of 0.2 m: the velocity of the end is a rectangular pulse, and after it nothing moves there.
 fn rectangular(x: f64, t: f64) -> [f64; 2] {
     let (point, slope) = (POINT + x, 1e-3);
     let s = c0() * t - x;
@@ -266,15 +266,15 @@ fn the_staircase_of_fronts_converges_to_the_spherical_wave() {
         })
     });
     println!("{errors:?}");
-    // Levels inside a piece are off by up to the share: of first order in it, as is said. The velocity's error is where the
-    // fronts are within their pieces, which two halvings hardly make even.
+    // Levels within a piece have errors of up to the stated fraction: of first order in it. The error of the velocity depends on the positions of the
+    // fronts within their pieces, which two halvings hardly average out.
     assert!(errors[0][0] / errors[2][0] > 3.5 && errors[0][1] / errors[2][1] > 1.8, "{errors:?}");
     assert!(errors[2].iter().all(|&e| e < 0.01), "{errors:?}");
 }
 
 const BILINEAR: &str = r#"{ name = "b", density = 7800, modulus = 200e9, beyond = "extend", curve = { table = [[0.001, 200e6], [0.021, 600e6]] } }"#;
 
-/// A plastic pulse into a cone, by fronts.
+/// Returns a plastic pulse into a cone, with front tracking.
 fn plastic_horn(front_tolerance: f64) -> Scene {
     let bar = format!("length = 1\ndiameter = [[0, 0.04], [0.6, 0.02], [1, 0.025]]\nmaterial = {BILINEAR}");
     let left = "kind = \"velocity\"\nhistory = [[0, 0], [20e-6, 8], [60e-6, 8], [80e-6, 0]]";
@@ -282,7 +282,7 @@ fn plastic_horn(front_tolerance: f64) -> Scene {
     scene(&bar, left, "hardening = \"isotropic\"", &solve)
 }
 
-/// Energies of the sampled fields over the true taper, J: of motion and elastic, and plastic work from the plastic strain.
+/// Returns the energies of the sampled fields over the true taper, J: kinetic and elastic energy, and plastic work from the plastic strain.
 fn field_energies(scene: &Scene, bar: &FrontTracking, samples: u32) -> [f64; 2] {
     let taper = scene.bar.segments[0].taper.as_ref().expect("a horn");
     let dx = scene.bar.length() / f64::from(samples);
@@ -298,9 +298,9 @@ fn field_energies(scene: &Scene, bar: &FrontTracking, samples: u32) -> [f64; 2] 
     sums
 }
 
-/// A sample stands for its cell: next to a front it is off by up to half of it, which falls with the cells. What remains falls
-/// with the front tolerance: in a piece of the staircase the area at a place is not the piece's mean, which evens out over
-/// whole pieces only; and of plastic strains that were merged the ledger has the work of each, the field that of their mean.
+/// A sample represents its cell: next to a front, its error is up to half of the cell, and decreases with the cell size. The remaining error
+/// decreases with the front tolerance: within a piece of the staircase, the area at a position is not the mean of the piece, which averages out over
+/// whole pieces only; and where plastic strains were merged, the ledger has the work of each, the field that of their mean.
 #[test]
 fn the_field_energy_of_a_tracked_taper_is_the_ledger_s_to_the_sampling_error() {
     const FRONT_TOLERANCES: [f64; 2] = [1e-2, 3e-3];
@@ -324,7 +324,7 @@ fn the_field_energy_of_a_tracked_taper_is_the_ledger_s_to_the_sampling_error() {
     assert!(coarse < 1e-2 && fine < 1e-3 && fine < coarse, "{missed:?}");
 }
 
-/// Plastic strains stay where waves have gone, and those of a coarse staircase are further off than its stresses.
+/// Plastic strains remain after waves have passed, and those of a coarse staircase have larger errors than its stresses.
 #[test]
 fn the_error_of_a_tracked_taper_covers_its_plastic_strain() {
     let scene = plastic_horn(1e-2);
@@ -337,8 +337,8 @@ fn the_error_of_a_tracked_taper_covers_its_plastic_strain() {
     assert!(plastic > stress && figure > plastic, "{figure} {stress} {plastic}");
 }
 
-/// A net cut a slight taper into two pieces on any number of cells: its errors were 3 %, its estimate of them nothing, and the impulse at the end not
-/// that of the force.
+/// A net must not cut a slight taper into two pieces with any number of cells: its error would be 3 % with an estimate of zero, and the impulse at
+/// the end not that of the force.
 #[test]
 fn the_pieces_of_a_net_become_finer_with_its_cells() {
     let bar = format!("length = 0.3\ndiameter = [[0, 0.02], [0.3, 0.0203]]\nmaterial = {STEEL}");
@@ -353,7 +353,7 @@ fn the_pieces_of_a_net_become_finer_with_its_cells() {
     assert!((impulse / (force * 290e-6) - 1.0).abs() < 1e-3, "{impulse}");
 }
 
-/// A plastic pulse into a cone by all three methods; the net with flow that is quicker than its steps.
+/// A plastic pulse into a cone with all three methods; on the net, flow is faster than a step.
 #[test]
 fn methods_agree_on_a_plastic_taper() {
     let steel = r#"{ name = "b", density = 7800, modulus = 200e9, beyond = "extend", curve = { table = [[0.001, 200e6], [0.021, 600e6]] } }"#;
@@ -392,7 +392,7 @@ fn methods_agree_on_a_plastic_taper() {
     for (name, other) in [("fronts", &fronts), ("net", &net)] {
         let off: f64 = grid.iter().zip(other).map(|(a, b)| (a - b).abs()).sum();
         println!("{name}: {:e}", off / scale);
-        // The steps of the staircase are 1 to 2 % of the stress, half of that off on the average, and more near fronts.
+        // The steps of the staircase are 1 to 2 % of the stress, the mean error half of that, and larger near fronts.
         assert!(off / scale < 0.02, "{name}: {:e}", off / scale);
     }
 }
@@ -412,8 +412,8 @@ fn a_growing_front_breaks_the_taper_by_both_methods_and_the_site_is_the_user_s_s
     });
     println!("{by:?}");
     let place = |k: usize| by[k].0["x_m"].as_f64().expect("a place");
-    // The front has grown to the threshold where the diameter is 4 cm 150/220. The grid waits until neighbours are due, too;
-    // the staircase has pieces of 4 mm.
+    // The front reaches the threshold where the diameter is 4 cm 150/220. The grid requires neighbouring cells to reach it, too; the staircase has
+    // pieces of 4 mm.
     assert!([0, 1].iter().all(|&k| (place(k) - 0.191).abs() < 0.012), "{by:?}");
 }
 
@@ -439,8 +439,8 @@ fn a_piece_of_a_bar_of_three_tapers_keeps_the_joints() {
     assert_eq!(cut.original_origin(barwave::bar::Origin::Joint(second)).to_string(), "joint 2");
 }
 
-/// The pulse leaves plastic strain in the thin rod alone. Merging of fronts averaged it over the whole rod as soon as that had a few waves to
-/// merge: the imposed stress is below the yield stress, and differences of plastic strain were taken to matter only above it.
+/// The pulse leaves plastic strain in the thin rod only, which merging must preserve: differences of plastic strain matter although the imposed
+/// stress is below the yield stress. Otherwise, they are averaged over the whole rod as soon as it has a few waves to merge.
 #[test]
 fn merging_keeps_the_plastic_strain_of_a_thin_part() {
     let runs = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/tapered-horn.toml");
@@ -453,12 +453,12 @@ fn merging_keeps_the_plastic_strain_of_a_thin_part() {
         bar.advance_to(time).expect("within the budget");
         View::sample(&bar, Field::PlasticStrain, &places, plastic);
     }
-    // Plastic strains of the rod by leapfrog with 1000 and 4000 cells, at 5, 13, 21 and 29 mm from the joint.
+    // Plastic strains of the rod with leapfrog, with 1000 and 4000 cells, at 5, 13, 21 and 29 mm from the joint.
     for (place, on_a_grid) in [(4, -1.885e-3), (12, -1.488e-3), (20, -1.077e-3), (28, -0.637e-3)] {
-        // The steps of merged fronts are some per cent of the plastic strain.
+        // The steps of merged fronts are a few percent of the plastic strain.
         assert!((plastic[0][place] - on_a_grid).abs() < 4e-5, "{place}: {}", plastic[0][place]);
     }
-    // Nothing flows there after the pulse has gone by.
+    // The plastic strain there does not change after the pulse has passed.
     for (before, after) in plastic[0].iter().zip(&plastic[1]) {
         assert!((before - after).abs() < 1e-6, "{before} {after}");
     }

@@ -9,8 +9,8 @@ use barwave::run::{self};
 use barwave::scene::Scene;
 use rayon::prelude::*;
 
-/// Length (mm) and speed (m/s) of a cylinder of 6061-T6 with a diameter of 7.6 mm, and its final length over the initial one:
-/// Wilkins and Guinan, J. Appl. Phys. 44 (1973) 1200.
+/// Length (mm) and velocity (m/s) of a cylinder of 6061-T6 with a diameter of 7.6 mm, and its final length relative to the initial one: Wilkins and
+/// Guinan, J. Appl. Phys. 44 (1973) 1200.
 const SHOTS: [(f64, f64, f64); 9] = [
     (23.47, 169.0, 0.920),
     (23.47, 262.0, 0.844),
@@ -27,7 +27,7 @@ const HEAT: &str = "effects.heat={ fraction = 0.9 }";
 const RATE_LAW: &str = "effects.rate=material";
 const GRID: &str = "solve.method=fd";
 
-/// A column of the table: its heading and what it changes in the scene.
+/// Column of the table: its heading and its changes of the scene.
 const MODELS: [(&str, &[&str]); 6] = [
     ("power law", &["bar.material=aluminium-6061-t6"]),
     ("Johnson-Cook, quasi-static", &[]),
@@ -44,7 +44,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Unloaded final length over the initial one, by the scene in runs/ with these settings.
+/// Returns the unloaded final length relative to the initial one, for the scene in runs/ with these settings.
 fn final_length((length, speed, _): (f64, f64, f64), changes: &[&str]) -> f64 {
     let mut overrides = vec![format!("bar.length={length}e-3"), format!("bar.velocity={}", -speed)];
     overrides.push("solve.cells=400".to_owned());
@@ -56,7 +56,7 @@ fn final_length((length, speed, _): (f64, f64, f64), changes: &[&str]) -> f64 {
     summary.lengths[0].unloaded / summary.lengths[0].initial
 }
 
-/// A row for each shot: the final length by every model.
+/// Returns the final lengths with every model, one row for each shot.
 fn computed() -> Vec<Vec<f64>> {
     let row = |shot: &(f64, f64, f64)| MODELS.iter().map(|(_, changes)| final_length(*shot, changes)).collect();
     SHOTS.par_iter().map(row).collect()
@@ -78,11 +78,11 @@ fn table(computed: &[Vec<f64>]) -> String {
     text
 }
 
-/// Number of the colour black.
+/// Index of the colour black.
 const BLACK: usize = 6;
 
 fn figure(computed: &[Vec<f64>]) -> String {
-    // The short cylinders: one line a model.
+    // Short cylinders only, with one line for each model.
     let points = |value: &dyn Fn(usize) -> f64| (0..5).map(|k| (SHOTS[k].1, value(k))).collect::<Vec<_>>();
     let line = |name: &str, colour, style, value: &dyn Fn(usize) -> f64| Line {
         name: name.into(),
@@ -98,7 +98,7 @@ fn figure(computed: &[Vec<f64>]) -> String {
     lines::figure("Taylor cylinders of 6061-T6, 23.47 mm long", &[Panel { title: String::new(), labels, lines }]).svg()
 }
 
-/// The page with the table in the place that its two comments mark.
+/// Returns the page with the table inserted between its two markers.
 fn with_table(page: &str, table: &str) -> String {
     let (before, rest) = page.split_once("<!-- table -->\n").expect("the beginning of the table");
     let (_, after) = rest.split_once("<!-- end -->").expect("the end of the table");
@@ -111,7 +111,8 @@ fn cylinders_end_as_long_as_measured() {
     let computed = computed();
     for (&(length, speed, measured), row) in SHOTS.iter().zip(&computed) {
         let error = row[RATE] - measured;
-        // What is left is three-dimensional: the theory does not know the mushroom at the struck end, which takes over at high speed.
+        // The remaining difference is three-dimensional: the theory does not include the mushrooming of the struck end, which dominates at high
+        // velocity.
         let bound = if speed < 400.0 { 0.02 } else { 0.10 };
         assert!(error.abs() < bound, "{length} mm at {speed} m/s: {error}");
         assert!(row[QUASI_STATIC] < row[RATE], "the overstress of the rate shortens less");
@@ -127,7 +128,7 @@ fn cylinders_end_as_long_as_measured() {
     assert_eq!(fresh, std::fs::read_to_string(&page).expect("the page"), "docs/taylor.md is not up to date");
 }
 
-/// The table is that of 400 cells; its third digit is good to a few units.
+/// The table has results of 400 cells; its third digit is accurate to a few units.
 #[test]
 fn final_lengths_converge() {
     let by = |cells: &str| final_length(SHOTS[2], &[cells]);
@@ -136,7 +137,7 @@ fn final_lengths_converge() {
     assert!(second < 0.003 && second < 0.75 * first, "{coarse} {middle} {fine}");
 }
 
-/// The net once found no flow at all where the overstress was more than 600 times that of a factor e in the rate.
+/// The net must flow where the overstress is more than 600 times that which changes the rate by a factor of e.
 #[test]
 fn the_characteristic_net_agrees_with_the_grid() {
     for shot in [SHOTS[0], SHOTS[2], SHOTS[4]] {

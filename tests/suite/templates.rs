@@ -1,4 +1,4 @@
-//! The files that `barwave new` writes can be checked and run as they are.
+//! The files that `barwave new` writes can be checked and run unchanged.
 
 use crate::common::binary;
 
@@ -14,7 +14,7 @@ fn succeed(folder: &Path, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// Writes, checks and runs a template. Its summary.
+/// Writes, checks and runs a template, and returns its summary.
 fn run(kind: &str) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     let wrote = succeed(folder.path(), &["new", "--kind", kind, "mine"]);
@@ -49,7 +49,7 @@ fn a_taylor_cylinder_is_shortened_and_rebounds() {
     assert!(number(&summary, "/figures/left/restitution") > 0.0);
 }
 
-/// The gauges see whole pulses, and the specimen is compressed.
+/// The gauges record complete pulses, and the specimen is compressed.
 #[test]
 fn a_hopkinson_pulse_goes_through_the_specimen() {
     let summary = run("hopkinson");
@@ -60,14 +60,14 @@ fn a_hopkinson_pulse_goes_through_the_specimen() {
     assert!(number(&summary, "/figures/gauges/transmitted/peak_stress_Pa") < -50e6);
 }
 
-/// The template by front tracking, with other values.
+/// Runs the template with front tracking and other values.
 fn hopkinson_by_fronts(folder: &Path, sets: &[String]) -> Value {
     let moc = ["solve.method=moc", "solve.cells=", "solve.scheme=", "solve.max-events=20000"].map(str::to_owned);
     let sets: Vec<&str> = moc.iter().chain(sets).flat_map(|set| ["--set", set]).collect();
     serde_json::from_str(&succeed(folder, &[&["run", "--json", "mine.toml"], &sets[..]].concat())).expect("JSON")
 }
 
-/// A front of 1e-3 Pa that came to the specimen opened the joint, whose faces then closed at the same instant, for ever.
+/// A front of 1e-3 Pa that arrives at the specimen must not open the joint, whose faces would close at the same instant, in an endless loop.
 #[test]
 fn a_split_hopkinson_bar_comes_to_its_end_with_any_front_tolerance() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -85,7 +85,7 @@ fn a_split_hopkinson_bar_comes_to_its_end_with_any_front_tolerance() {
 fn random_split_hopkinson_bars_come_to_their_end() {
     let folder = tempfile::tempdir().expect("a folder");
     succeed(folder.path(), &["new", "--kind", "hopkinson", "mine"]);
-    // Fractions of multiples of irrational numbers are spread evenly.
+    // Fractional parts of multiples of irrational numbers are evenly distributed.
     let spread = |k: u32, by: f64, from: f64, to: f64| from + (to - from) * (f64::from(k) * by).fract();
     for k in 1..=40 {
         let velocity = spread(k, 2_f64.sqrt(), 5.0, 20.0);
@@ -104,7 +104,8 @@ fn random_split_hopkinson_bars_come_to_their_end() {
     }
 }
 
-/// Both ends are free, so that no peak force counted: 7e-14, beside a joint whose peak was off by 2.5e-3.
+/// The error of a bar with two free ends includes the peak forces of its joints: without them it would be 7e-14, beside a joint whose peak has an
+/// error of 2.5e-3.
 #[test]
 fn the_error_of_a_hopkinson_bar_counts_the_peak_forces_of_its_joints() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -156,7 +157,7 @@ fn impacts_without_a_bar_have_templates() {
     assert!((number(&run("spheres"), "/struck_velocity_m_s") - 1.0).abs() < 1e-9);
     assert!((0.9..1.0).contains(&number(&run("plate"), "/restitution")));
     assert!(number(&run("beam"), "/gauges/middle/peak_strain") > 0.0);
-    // Nothing in them is beyond the theory.
+    // None of them exceeds the limits of the theory.
     for kind in ["spheres", "plate", "beam"] {
         assert_eq!(run(kind)["notes"].to_string(), "[]", "{kind}");
     }
@@ -166,7 +167,7 @@ fn impacts_without_a_bar_have_templates() {
 fn a_pulse_spalls() {
     let summary = run("spall");
     assert_eq!(summary["outcome"], "rupture");
-    // Exactly; on a grid it broke three steps late, and the scab kept 800 MPa in its last cell.
+    // Exact; a grid would fracture three steps late, with a residual stress of 800 MPa in the last cell of the scab.
     assert!((number(&summary, "/ruptures/0/x_m") - 0.18).abs() < 1e-9);
     assert!((number(&summary, "/ruptures/0/time_s") - 44e-6).abs() < 1e-12);
 }

@@ -23,8 +23,8 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-/// Below the critical velocity (90.1 m/s) the whole bar is strained, slowly as by the static curve; above, it breaks at the struck end while
-/// the rest has hardly yielded.
+/// Below the critical velocity (90.1 m/s), the whole bar is strained according to the static curve; above, it fractures at the struck end while the
+/// rest has hardly yielded.
 #[test]
 fn elongation_falls_at_the_critical_velocity() {
     let folder = folder();
@@ -40,9 +40,9 @@ fn elongation_falls_at_the_critical_velocity() {
     assert!(points.iter().all(|point| point["status"] == "rupture" && point["at_once"] == point["at_struck_end"]));
     let fixed = results["static_elongation"].as_f64().expect("a number");
     assert!(elongation.iter().all(|e| *e <= Some(1.01 * fixed)), "{elongation:?} {fixed}");
-    // A slow test strains the bar evenly.
+    // A slow test strains the bar uniformly.
     assert!(elongation[0] > Some(0.96 * fixed), "{elongation:?}");
-    // The reflection at the fixed end breaks the bar early; below the critical velocity the elongation is near its maximum again.
+    // The reflection at the fixed end fractures the bar early; below the critical velocity, the elongation is near its maximum again.
     assert!(elongation[1] < Some(0.8 * fixed) && elongation[3] > Some(0.93 * fixed), "{elongation:?}");
     assert!(elongation[4] < Some(0.5 * fixed) && elongation[5] < Some(0.1 * fixed), "{elongation:?}");
     let energy = column("energy_absorbed_J");
@@ -51,7 +51,7 @@ fn elongation_falls_at_the_critical_velocity() {
     assert_eq!(column("fracture_position_m")[5], Some(0.0));
 }
 
-/// With heat the numbers of the curve are those of the adiabatic one, and were called static.
+/// With heat, the values of the curve are those of the adiabatic one, and are named so.
 #[test]
 fn the_curve_is_named() {
     let folder = folder();
@@ -72,7 +72,7 @@ fn the_curve_is_named() {
     assert!(named("scene.toml", "adiabatic") < 0.95 * named("titanium-6al-4v-jc", "static"));
 }
 
-/// A second run is refused, a resumed one runs nothing and changes nothing.
+/// A second run is refused; a resumed one runs nothing and changes nothing.
 #[test]
 fn a_study_is_resumed() {
     let folder = folder();
@@ -89,7 +89,7 @@ fn a_study_is_resumed() {
     }
 }
 
-/// A bar that nothing holds follows its slow end and stays whole.
+/// A bar with a free far end follows its slow end without fracture.
 #[test]
 fn a_free_bar_is_pulled_along_below_the_critical_velocity() {
     let folder = folder();
@@ -110,7 +110,7 @@ const SCENE: &str = "[bar]\nlength = 0.1\ndiameter = 0.01\nmaterial = \"copper-a
 fn scenes_are_tested_and_wrong_input_is_explained() {
     let folder = folder();
     std::fs::write(folder.path().join("scene.toml"), SCENE).expect("a scene");
-    // A plain number is in SI.
+    // A plain number is in SI units.
     let short = ["copper-annealed", "--length", "0.1", "--velocities", "100", "-o", "short", "--json"];
     assert_eq!(json(&study(folder.path(), &short))["length_m"], 0.1);
     let results = json(&study(folder.path(), &["scene.toml", "--velocities", "300 ft/s", "-o", "out", "--json"]));

@@ -1,4 +1,4 @@
-//! `barwave materials import`: records made of known curves, through the real binary.
+//! `barwave materials import` of records of known curves, through the real binary.
 
 use crate::common::binary;
 use crate::common::synthetic;
@@ -25,7 +25,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// Modulus, proof stress and critical velocity are within 1 % of those of the true curve.
+/// Checks that modulus, proof stress and critical velocity are within 1 % of those of the true curve.
 fn within_a_percent(found: &Value, truth: &Truth, what: &str) {
     let reduction = &found["records"][0]["reduction"];
     for (name, value, expected) in [
@@ -168,14 +168,14 @@ fn true_stress_and_machine_compliance_are_converted() {
     within_a_percent(&found, &RAMBERG_OSGOOD, "compliance");
 }
 
-/// Engineering strain and stress (Pa) of a material with a knee of 100 GPa and 200 MPa in logarithmic strain and true stress.
+/// Returns engineering strain and stress (Pa) of a material with a sharp knee at 200 MPa (modulus 100 GPa) in logarithmic strain and true stress.
 fn with_sharp_knee(plastic: f64) -> (f64, f64) {
     let stress = 200e6 + 400e6 * plastic.powf(0.6);
     let strain = stress / 100e9 + plastic;
     (strain.exp_m1(), stress * (-strain).exp())
 }
 
-/// 40 rows up to the knee and 260 beyond, with noise and rounding of the true stress (MPa): rows without them, and the text.
+/// Returns 40 rows up to the knee and 260 beyond: the exact ones, and as text with noise and rounding of the true stress (MPa).
 fn sharp_knee_record(last: f64, noise: f64, step: f64) -> (Vec<(f64, f64)>, String) {
     let mut random = synthetic::Random::new(3);
     let elastic = (0..40).map(|i| 0.002 * f64::from(i) / 39.0).map(|e: f64| (e.exp_m1(), 100e9 * e * (-e).exp()));
@@ -190,12 +190,12 @@ fn sharp_knee_record(last: f64, noise: f64, step: f64) -> (Vec<(f64, f64)>, Stri
     (rows, text)
 }
 
-/// Where the record is clean the curve goes through its rows, the knee included; with noise it is as near as the noise allows.
+/// For a clean record, the curve passes through its rows, including the knee; with noise, it is as close as the noise allows.
 #[test]
 fn smoothing_keeps_a_sharp_knee() {
     let folder = tempfile::tempdir().expect("a folder");
-    // Largest plastic strain, noise and step of rounding in MPa; errors allowed: elastic limit, proof stress, critical velocity in %, and
-    // rows beyond the knee in MPa.
+    // Largest plastic strain, noise and rounding step in MPa; allowed errors of the elastic limit, the proof stress and the critical velocity in %,
+    // and of rows beyond the knee in MPa.
     for (last, noise, step, limit, proof, velocity, off) in [
         (0.03, 0.0, 0.0, 0.5, 0.05, 0.2, 0.4),
         (0.2, 0.0, 0.0, 1.5, 0.1, 0.5, 0.6),
@@ -231,13 +231,14 @@ fn smoothing_keeps_a_sharp_knee() {
     }
 }
 
-/// Evenly spaced rows of two straight lines from 0, strains rounded to a step.
+/// Returns equidistant rows of two straight lines from 0, with strains rounded to a step.
 fn rounded_strains(modulus: f64, knee: f64, spacing: f64, step: f64) -> Vec<(f64, f64)> {
     let stress = |e: f64| if e < knee { modulus * e } else { modulus * (knee + 0.01 * (e - knee)) };
     (0..300).map(|i| spacing * f64::from(i)).map(|e| ((e / step).round() * step, stress(e))).collect()
 }
 
-/// Up to the first extra step of the strain the rows lie exactly on a line: it was taken for the elastic one, and the limit was 18 to 91 % too low.
+/// Up to the first extra step of the strain, the rows are exactly on a line, which must not be taken for the elastic one: the limit would be 18 to 91
+/// % too low.
 #[test]
 fn rounded_strains_do_not_end_the_elastic_line() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -256,8 +257,8 @@ fn rounded_strains_do_not_end_the_elastic_line() {
     }
 }
 
-/// Strains to 1e-8 and to 1e-6: other intervals of nearly the same uncertainty are the best, and their slopes differ by 1.9 GPa, which was
-/// 2.6 times the stated uncertainty of the difference.
+/// With strains rounded to 1e-8 and to 1e-6, different intervals of nearly the same uncertainty are the best ones, and their slopes differ by 1.9
+/// GPa: the stated uncertainty must cover this difference, and not be smaller by a factor of 2.6.
 #[test]
 fn the_uncertainty_of_the_modulus_covers_the_choice_of_the_interval() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -279,7 +280,7 @@ fn the_uncertainty_of_the_modulus_covers_the_choice_of_the_interval() {
     assert!(apart < 2.0 * error && error < 3e9, "{apart:e} Pa apart, {error:e} Pa");
 }
 
-/// The row at the upper yield point was removed as an outlier, and the limit was 8 to 12 % too low.
+/// The row at the upper yield point must not be removed as an outlier, which would make the limit 8 to 12 % too low.
 #[test]
 fn an_upper_yield_point_of_one_row_is_the_elastic_limit() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -296,7 +297,7 @@ fn an_upper_yield_point_of_one_row_is_the_elastic_limit() {
     }
 }
 
-/// The options for the measure, the toe and the window of the smoothing, each against the default.
+/// The options for the measure, the toe and the smoothing window, each compared with the default.
 #[test]
 fn measure_toe_and_smoothing_can_be_set() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -307,7 +308,7 @@ fn measure_toe_and_smoothing_can_be_set() {
     }
     let found = import(folder.path(), "true.csv", &truth, &["--measure", "true"]);
     within_a_percent(&found, &RAMBERG_OSGOOD, "true stress by --measure");
-    // A window as wide as the knee of the curve rounds it off, one that is narrow beside it does not.
+    // A window as wide as the knee of the curve rounds it; a narrow one does not.
     let clean = csv(&record(&RAMBERG_OSGOOD, &CLEAN));
     let found = import(folder.path(), "window.csv", &clean, &["--smooth", "0.1 %"]);
     within_a_percent(&found, &RAMBERG_OSGOOD, "a window of 0.1 %");
@@ -317,7 +318,7 @@ fn measure_toe_and_smoothing_can_be_set() {
     };
     let [narrow, wide] = ["0.1 %", "8 %"].map(proof);
     assert!((wide / narrow - 1.0).abs() > 0.003, "{narrow} {wide}");
-    // Strains that all lie 0.1 % too high stay there.
+    // Strains that are all 0.1 % too high remain so.
     let shifted: Vec<_> = rows.iter().map(|&(e, s)| (e + 1e-3, s)).collect();
     let end = |toe: &str| {
         let found = import(folder.path(), "toe.csv", &csv(&shifted), &["--toe", toe]);
@@ -328,7 +329,7 @@ fn measure_toe_and_smoothing_can_be_set() {
     assert!((off / 1e-3 - 1.0).abs() < 0.05, "{off}");
 }
 
-/// A curve of compression was taken for one of tension, and a record of negative loads for a tension test, without a word.
+/// A compression curve used in tension, and a record of negative loads imported as a tension test, are noted.
 #[test]
 fn the_sense_of_a_record_is_noted() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -378,7 +379,7 @@ fn repeats_give_one_curve_with_a_band_that_critical_uses() {
     let scales = [0.96, 0.98, 1.0, 1.02, 1.04];
     for (k, scale) in scales.iter().enumerate() {
         let rows = record(&RAMBERG_OSGOOD, &Faults { seed: 10 + k as u64, ..LABORATORY });
-        // Strains and stresses in proportion: the modulus stays, the critical velocity goes with the scale.
+        // Strains and stresses are scaled by the same factor: the modulus is unchanged, the critical velocity is proportional to the factor.
         let scaled: Vec<_> = rows.into_iter().map(|(e, s)| (scale * e, scale * s)).collect();
         std::fs::write(folder.path().join(format!("{k}.csv")), csv(&scaled)).expect("a file");
     }
@@ -414,7 +415,7 @@ fn repeats_give_one_curve_with_a_band_that_critical_uses() {
     for value in [&row["critical_velocity_m_s"], &scatter["mean_m_s"]] {
         assert!((number(value) / truth - 1.0).abs() < 0.01, "{found:#}");
     }
-    // Of 0.96 to 1.04: 0.0316.
+    // Standard deviation of 0.96 to 1.04: 0.0316.
     assert!((number(&scatter["standard_deviation_m_s"]) / truth / 0.0316 - 1.0).abs() < 0.15, "{found:#}");
     let (low, high) = (number(&scatter["interval_95_m_s"][0]), number(&scatter["interval_95_m_s"][1]));
     // Student's t with 4 degrees of freedom: 2.776 * 0.0316/sqrt(5) = 0.0393, which no resample of these five can exceed by much.
@@ -422,14 +423,14 @@ fn repeats_give_one_curve_with_a_band_that_critical_uses() {
     assert_eq!(scatter["tests"].as_array().map(Vec::len), Some(5));
 }
 
-/// Rows of a material with a largest stress at a strain of 12 %, up to a strain, with noise in parts of the largest stress.
+/// Returns rows of a material with the largest stress at a strain of 12 %, up to the strain `end`, with noise relative to the largest stress.
 fn noisy(rows: u32, end: f64, noise: f64, seed: u64) -> Vec<(f64, f64)> {
     let mut rows = record(&RAMBERG_OSGOOD, &Faults { rows, noise, seed, ..CLEAN });
     rows.retain(|row| row.0 <= end);
     rows
 }
 
-/// The mean modulus was rounded in the file, and the first slope was above it in half of the cases.
+/// The mean modulus in the file must not be rounded to a value below the first slope.
 #[test]
 fn repeats_of_any_modulus_are_written() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -452,7 +453,7 @@ fn repeats_of_any_modulus_are_written() {
     }
 }
 
-/// A record in columns of these headings: time, crosshead, extensometer with a gauge length of 50 mm, and force on 100 mm^2.
+/// Returns a record with these headings: time, crosshead displacement, extensometer with a gauge length of 50 mm, and force on 100 mm^2.
 fn machine_record(headings: &str) -> String {
     let rows = noisy(400, 0.25, 1e-4, 1);
     let mut text = String::from(headings) + "\n";
@@ -477,7 +478,7 @@ fn an_extensometer_is_taken_before_a_crosshead() {
     }
 }
 
-/// The modulus of a crosshead record, and a shear record as an axial one, were taken without a word.
+/// The modulus of a crosshead record, and a shear record imported as an axial one, are noted.
 #[test]
 fn records_of_a_crosshead_and_of_shear_are_noted() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -531,7 +532,7 @@ fn headings_name_the_measure_in_several_languages() {
     assert!(String::from_utf8_lossy(&with(&[]).stdout).contains("measure       engineering (assumed"));
 }
 
-/// Most records that end at two thirds of the strain of their largest stress had a critical velocity, by noise.
+/// Noise must not make a largest stress, and with it a critical velocity, of records that end at two thirds of the strain of their largest stress.
 #[test]
 fn noise_makes_no_largest_stress() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -539,7 +540,7 @@ fn noise_makes_no_largest_stress() {
         let text = csv(&noisy(1200, 0.1, 0.005, seed));
         let found = import(folder.path(), "a.csv", &text, &[]);
         assert!(found["critical"]["critical_velocity_m_s"].is_null(), "{seed}: {found:#}");
-        // With the fracture there it is near that of the curve up to there.
+        // With fracture at the end, the critical velocity is close to that of the curve up to there.
         let found = import(folder.path(), "a.csv", &text, &["--beyond", "rupture"]);
         let points: Vec<_> = (0..=20_000).map(|i| 0.1 * (f64::from(i) / 2e4).powi(3)).collect();
         let front = |pair: &[f64]| {
@@ -557,7 +558,7 @@ fn noise_makes_no_largest_stress() {
     }
 }
 
-/// Tests that stop while the stress rises and unload in a few rows had a fracture, and with it a critical velocity.
+/// Tests that stop while the stress increases and unload in a few rows have no fracture, and no critical velocity.
 #[test]
 fn a_quick_unloading_at_the_end_is_no_fracture() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -573,7 +574,7 @@ fn a_quick_unloading_at_the_end_is_no_fracture() {
     }
 }
 
-/// The end of the shorter record was taken for its largest stress, and the mean fell by 5 %.
+/// The end of the shorter record is not its largest stress, which would decrease the mean by 5 %.
 #[test]
 fn a_repeat_that_was_stopped_early_does_not_end_the_mean() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -615,7 +616,7 @@ fn the_mean_of_equal_records_is_the_curve_of_each() {
     assert!((a / b - 1.0).abs() < 2.5e-4, "{a} {b}");
 }
 
-/// The range was printed as stresses of the fitted line, which lie elsewhere where the rows are not straight.
+/// The message states the range as given, and not as stresses of the fitted line, which differ if the rows are not straight.
 #[test]
 fn a_range_with_the_knee_in_it_is_named() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -633,10 +634,11 @@ fn a_range_with_the_knee_in_it_is_named() {
     assert!((15.0..40.0).contains(&low) && (180.0..201.0).contains(&high) && !bent, "{low} {high} {bent}");
 }
 
-/// Rows read off a figure: the second pair is steeper than the first.
+/// Rows read from a figure: the second pair is steeper than the first.
 const READ_OFF: &str = "Strain [%];Stress [MPa]\n0;0\n0,1;70\n0,2;141\n0,25;165\n0,5;190\n1;215\n5;305\n30;410\n";
 
-/// Stresses rounded to ten digits lie on no line: one slope was the steepest, the elastic limit 0, and the modulus of the record too small for it.
+/// Stresses rounded to ten digits are not exactly on a line: one slope is the steepest, which must not make the elastic limit 0, or the modulus of
+/// the record too small.
 #[test]
 fn a_record_on_a_line_is_elastic_whatever_its_digits() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -704,7 +706,7 @@ fn wrong_records_are_refused_with_one_clear_error() {
     for (e, s) in record(&RAMBERG_OSGOOD, &Faults { rows: 200, ..CLEAN }) {
         let _ = writeln!(tiny, "{e:.8},{:.8}", s / 9.8e6);
     }
-    // Text, options, and what the message holds; a line number stands before a colon.
+    // Text, options, and the texts that the message contains; a line number is followed by a colon.
     let machine = machine_record("Time (s),Crosshead (mm),Extensometer (mm),Load (kN)");
     let cases: [(&str, &[&str], &str); 31] = [
         (&machine, &["--gauge-length", "50", "--area", "100 mm^2"], "`50` has no unit and would be 50 m"),

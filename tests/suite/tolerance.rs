@@ -1,5 +1,5 @@
-//! `tolerance` in place of a method: the true error is below what was asked, and the run says how it got there. The whole
-//! study is `examples/tolerance.rs`; here is what takes seconds.
+//! `tolerance` instead of a method: the true error is below the tolerance, and the run states how it was reached. The complete study is
+//! `examples/tolerance.rs`; these are the cases that take seconds.
 
 use crate::common::known;
 
@@ -13,17 +13,17 @@ use barwave::scene::Scene;
 use known::{Known, Truth, held_out, known};
 use serde_json::Value;
 
-/// Tolerances of the fast subset; the finest is for the scenes whose fronts are few.
+/// Tolerances of the fast subset; the finest is for the scenes with few fronts.
 const TOLERANCES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
-/// Cell-steps that make a scene too slow for this suite.
+/// Scenes that are too slow for this suite.
 const SLOW: [&str; 1] = ["Cowper and Symonds"];
 
-/// Tolerances of the scenes that no factor was settled on.
+/// Tolerances of the scenes that were not used to determine the factors.
 const HELD_OUT: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-/// Runs a scene to a tolerance, by the schemes named or by any: a line about it where the true error, or the one that is
-/// stated, is above what was asked.
+/// Runs a scene to a tolerance, with any scheme or with the one named. Returns a line about it if the true error or the estimated one exceeds the
+/// tolerance.
 fn miss(case: &Known, tolerance: f64, alone: Option<&str>) -> Option<String> {
     let scene = case.scene(&format!("tolerance = {tolerance:e}"));
     let scene = scene.with_methods(|method| alone.is_none_or(|alone| method.names()[1] == alone));
@@ -49,15 +49,14 @@ fn the_true_error_is_below_the_tolerance() {
 #[test]
 fn it_is_on_scenes_of_other_kinds_too() {
     let cases = held_out();
-    // Those whose answer takes no run longer than a second.
+    // Scenes whose reference solution takes at most a second.
     let quick = |case: &&Known| matches!(case.truth, Truth::Tracked | Truth::Formula(_));
     let cases = cases.iter().filter(quick);
     let wrong: Vec<String> = cases.flat_map(|case| HELD_OUT.map(|t| miss(case, t, None))).flatten().collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Fronts are so few in most of these scenes that tracking them is exact and no grid is ever chosen: here they have to do it
-/// alone.
+/// Most of these scenes have so few fronts that tracking them is exact and no grid is ever chosen: here, the grids are used alone.
 #[test]
 fn grids_meet_a_tolerance_too() {
     let cases = known();
@@ -67,8 +66,8 @@ fn grids_meet_a_tolerance_too() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Corners of ramps, and walls and gaps that are met between two steps, are the same for cells of a half and of the whole
-/// size more often than not: two grids that agree prove nothing.
+/// Corners of ramps, and walls and gaps reached between two steps, often have the same error with cells of half and of full size: the agreement of
+/// two grids proves nothing.
 #[test]
 fn an_elastic_estimate_is_not_below_the_error_whatever_the_cells() {
     let elastic = ["mass on a rod", "pulse at a free end", "pulse at a fixed end", "spring at the end", "cone"];
@@ -82,7 +81,7 @@ fn an_elastic_estimate_is_not_below_the_error_whatever_the_cells() {
             assert!(Measure::ALL.into_iter().all(|m| m == Measure::Gauges || errors[m].is_some()), "{errors:?}");
             let (estimate, error) = (summary.error.map_or(f64::NAN, |e| e.value), case.error_of(&scene));
             println!("{}, {cells} cells: estimate {estimate:.1e}, error {error:.1e}", case.name);
-            // Below that it is rounding: corners that lie on the cells' faces are exact.
+            // Below that it is rounding: corners that coincide with the faces of cells are exact.
             assert!(estimate >= error || error < 1e-10, "{}, {cells} cells: {estimate:e} {error:e}", case.name);
         }
     }
@@ -126,7 +125,8 @@ fn the_summary_says_what_was_chosen_and_the_plan_what_there_is_to_choose() {
     assert_eq!(Some(error.value), summary["error"]["value"].as_f64());
 }
 
-/// The stress at the end time was right to less than the tolerance with a tenth of the cells, and the peak force 3e-3 off.
+/// The peak force must be within the tolerance, and not only the stress at the end time, for which a tenth of the cells suffice while the peak force
+/// has an error of 3e-3.
 #[test]
 fn the_peak_force_of_a_striker_is_within_the_tolerance() {
     let case = held_out().into_iter().find(|case| case.name == "mass on a rod").expect("one of them");
@@ -150,7 +150,7 @@ fn the_peak_force_of_a_striker_is_within_the_tolerance() {
     }
 }
 
-/// A bar of steel with hardening.
+/// A steel bar with hardening.
 const STEEL: &str = r#"
 [bar]
 length = "0.5 m"
@@ -158,7 +158,7 @@ area = "1 cm^2"
 material = { density = 7800, modulus = "200 GPa", beyond = "extend", curve = { table = [[0.001, "200 MPa"], [0.021, "300 MPa"], [0.1, "400 MPa"]] }, HEAT }
 "#;
 
-/// A bar with these lines, and these of its material.
+/// Returns a bar with these lines of its material for heat, and further lines.
 fn steel(heat: &str, more: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let text = format!("{}{more}", STEEL.replace(", HEAT", heat));
@@ -166,7 +166,7 @@ fn steel(heat: &str, more: &str) -> tempfile::TempDir {
     folder
 }
 
-/// The stress of a wall that a rate-dependent bar hits rises with the logarithm of 1/dt: no method came below 1.7e-2.
+/// The stress of a wall struck by a rate-dependent bar increases as the logarithm of 1/dt: it has no limit, and no method reaches less than 1.7e-2.
 #[test]
 fn a_peak_force_without_a_limit_does_not_count() {
     let folder = steel(
@@ -192,8 +192,8 @@ tolerance = 1e-2
     assert!(error["reference"].as_str().is_some_and(|text| text.contains("is not compared")), "{error}");
 }
 
-/// Waves reach the ends with a jump ten times, at times that are steps of every grid, and the struck end meets its striker again
-/// between two steps of all of them.
+/// Waves arrive at the ends with a jump ten times, at times that are steps of every grid, and the struck end meets its striker again between two
+/// steps of all of them.
 #[test]
 fn the_histories_of_a_striker_on_a_fixed_rod_are_within_1e_4() {
     let text = r#"
@@ -215,7 +215,7 @@ tolerance = 1e-4
     std::fs::write(folder.path().join("scene.toml"), text).expect("a file");
     let summary = json(&barwave(folder.path(), &["run", "scene.toml", "--json"]));
     assert!(summary["error"]["value"].as_f64().is_some_and(|e| e <= 1e-4), "{}", summary["error"]);
-    // First order in the step, from the second meeting alone: about one part in the steps of ten transits.
+    // First order in the step, because of the second contact only: about 1 divided by the number of steps of ten transits.
     assert!(summary["cells"].as_u64().is_some_and(|cells| cells < 20_000), "{}", summary["cells"]);
 }
 
@@ -251,13 +251,13 @@ fn a_grid_says_how_far_it_may_be_off_where_that_is_asked_for() {
     let value = error["value"].as_f64().expect("a figure");
     println!("estimate {value:.2e}, error {truth:.2e}");
     assert!(value >= truth && value < 10.0 * truth, "{value} {truth}");
-    // The companions change nothing of the run itself.
+    // The companion runs do not change the run itself.
     for key in ["cells", "steps", "left", "right", "ledger"] {
         assert_eq!(with[key], without[key], "{key}");
     }
 }
 
-/// Three segments of unlike transit times: few nets suit them.
+/// Three segments of different transit times, for which few nets are suitable.
 const JOINED: &str = r#"
 [[bar.segment]]
 length = "0.1 m"
@@ -287,8 +287,8 @@ gauges = { g = "0.25 m" }
 until = "300 us"
 "#;
 
-/// Nets with 50 and 100 cells asked for were both of 109 cells, and the estimate that of halved cells: 0.020 where the error is 0.035 (against
-/// 6400 cells).
+/// Nets requested with 50 and 100 cells both have 109 cells. The estimate must use the actual numbers, and not half the cells, which would give 0.020
+/// where the error is 0.035 (against 6400 cells).
 #[test]
 fn companions_of_several_segments_count_with_the_cells_that_they_have() {
     let run = |cells: usize| {

@@ -1,4 +1,4 @@
-//! Bars in torsion: the mapping to the surface against axial bars, closed forms, and a rod of many layers.
+//! Bars in torsion: the mapping to the surface compared with axial bars, closed forms, and a rod of many layers.
 
 use crate::common;
 
@@ -30,7 +30,7 @@ fn tube(section: &str) -> String {
     format!("mode = \"torsion\"\nlength = 1\n{section}\nmaterial = {{ name = \"s\", loading = \"shear\", {TABLE} }}")
 }
 
-/// Stress, strain and velocity of a whole bar at the end of its run.
+/// Returns stress, strain and velocity of the whole bar at the end of its run.
 fn fields(scene: &Scene) -> [Vec<f64>; 3] {
     fn of<V: View>(bar: &V, places: &V::Places, count: usize) -> [Vec<f64>; 3] {
         [Field::Stress, Field::Strain, Field::Velocity].map(|field| {
@@ -119,7 +119,7 @@ fn an_elastic_rod_carries_torque_at_the_shear_wave_s_speed() {
         let rest = format!("[solve]\nuntil = {:e}\n{method}\n[record]\n{fields}\n", 0.75 / speed);
         let (summary, file, _folder) =
             run_to_file(&scene(&tube(section), "kind = \"torque\"\nvalue = \"100 N*m\"", "kind = \"free\"", &rest));
-        // T/J = G theta' and T = -(rho c J) omega behind a wave that runs to the right.
+        // T/J = G theta' and T = -(rho c J) omega behind a wave that travels to the right.
         let [twist, omega] = [100.0 / (80e9 * polar), -100.0 / (7800.0 * speed * polar)];
         let last = file.time().expect("times").len() - 1;
         let x = file.x().expect("places");
@@ -127,7 +127,7 @@ fn an_elastic_rod_carries_torque_at_the_shear_wave_s_speed() {
             let row = row_of(&file, field, last);
             for (value, x) in row.iter().zip(&x) {
                 let expected = if *x < 0.75 { expected } else { 0.0 };
-                // On the grid the front lies within a cell of its place.
+                // On the grid, the position of the front is known to a cell.
                 if (x - 0.75).abs() > 2e-3 {
                     assert!(
                         (value - expected).abs() < 1e-9 * expected.abs().max(1e-3),
@@ -158,12 +158,12 @@ fn a_flywheel_s_angular_momentum_and_energy_go_into_the_rod() {
         let ledger = file.ledger().expect("a ledger");
         let last = ledger[ledger.len() - 1];
         let omega = summary.left.striker.expect("a flywheel") / summary.torsion.expect("torsion").radius_m;
-        // What the flywheel has lost since the start: to half a step's impulse, which is 1e-3 of all.
+        // The loss of the flywheel since the start, to half a step's impulse, which is 1e-3 of the total.
         let lost = [1e-3 * (3000.0 - omega), 0.5e-3 * (3000.0_f64.powi(2) - omega.powi(2))];
         assert!((last.impulse / lost[0] - 1.0).abs() < 3e-3, "{section}: {} {lost:?}", last.impulse);
         assert!((last.work_left / lost[1] - 1.0).abs() < 3e-3, "{section}: {} {lost:?}", last.work_left);
         assert!((last.energies.momentum - last.impulse).abs() < 1e-12 * last.impulse);
-        // rho J L omega: the same counted from the angular velocities.
+        // rho J L omega: computed from the angular velocities.
         let torsion = scene.torsion.as_ref().expect("torsion");
         let velocity = row_of(&file, Field::Velocity, 19);
         let mean = velocity.iter().sum::<f64>() / velocity.len() as f64 / torsion.radius;
@@ -174,13 +174,13 @@ fn a_flywheel_s_angular_momentum_and_energy_go_into_the_rod() {
 const METHODS: [(&str, f64); 4] = [
     ("cells = 800", 3e-3),
     ("scheme = \"muscl\"\ncells = 800", 3e-3),
-    // Displacements are read 1e-9 of the length beside joints.
+    // Displacements are sampled 1e-9 of the length beside joints.
     ("method = \"moc\"\nfront-tolerance = 0", 1e-8),
-    // The characteristic net is for bars that depend on the rate.
+    // The characteristic net is for rate-dependent bars.
     ("method = \"moc\"\ncells = 800\n[effects]\nrate = { model = \"malvern\", k = 1e6 }", 3e-3),
 ];
 
-/// There were neither angular impulses nor angles of twist: a torque T for the time t gives T t, and the wave twists G J theta' = T.
+/// Angular impulses and angles of twist: a torque T for a time t gives T t, and the wave twists the rod with G J theta' = T.
 #[test]
 fn a_constant_torque_gives_its_angular_impulse_to_an_elastic_rod() {
     let polar = 0.5 * std::f64::consts::PI * 0.01_f64.powi(4);
@@ -205,7 +205,7 @@ fn a_constant_torque_gives_its_angular_impulse_to_an_elastic_rod() {
             let scale = expected.abs().max(1e-9);
             assert!((found - expected).abs() <= tolerance * scale, "{solve} {path:?} {name}: {found:e} {expected:e}");
         };
-        // A positive torque turns the left end backwards, as tension pulls it.
+        // A positive torque turns the left end in the negative sense, as tension pulls it.
         near(&["left"], "angular_impulse", -100.0 * time);
         near(&["right"], "angular_impulse", 0.0);
         near(&["joints", "1"], "angular_impulse", -100.0 * (time - 0.25 / speed));
@@ -222,7 +222,7 @@ fn a_constant_torque_gives_its_angular_impulse_to_an_elastic_rod() {
     }
 }
 
-/// A tube that hardens linearly, twisted at one end: elastic and plastic front run into it at speeds of their own.
+/// A tube with linear hardening, twisted at one end: an elastic and a plastic front travel at different speeds.
 #[test]
 fn the_permanent_twist_of_a_tube_is_that_of_its_plastic_front() {
     let (radius, omega) = (0.0125, 1500.0);
@@ -254,7 +254,7 @@ fn the_permanent_twist_of_a_tube_is_that_of_its_plastic_front() {
     }
 }
 
-/// A step from solid to bored: T and omega are continuous, and J rules what is reflected.
+/// A step from solid to bored: T and omega are continuous, and J determines the reflection.
 #[test]
 fn a_change_of_bore_reflects_as_the_polar_moments_say() {
     let text = "[bar]\nmode = \"torsion\"\n[[bar.segment]]\nlength = 0.5\ndiameter = 0.02\nmaterial = MAT\n\
@@ -271,7 +271,7 @@ fn a_change_of_bore_reflects_as_the_polar_moments_say() {
     }
 }
 
-/// Of tables that are made of a law the rows alone are converted: knots between them would stiffen.
+/// Tables made from a law are converted at their rows only: knots between them would stiffen.
 #[test]
 fn kinematic_hardening_takes_laws_in_shear() {
     for material in ["\"titanium-6al-4v-jc\"", "\"aluminium-1100-o\""] {
@@ -305,7 +305,7 @@ fn a_tension_material_is_converted_only_if_that_is_said() {
     assert_eq!(scene.resolved_json()["bar"]["mode"], "torsion");
 }
 
-/// Nominal stress of an elastic-perfectly-plastic rod of many layers, each with a memory of its own.
+/// Nominal stress of an elastic-perfectly-plastic rod of many layers, each with its own plastic strain.
 struct Layers {
     stress: Vec<f64>,
     strain: f64,
@@ -336,8 +336,8 @@ impl Layers {
     }
 }
 
-/// What the nominal curve leaves out: the pattern of stress that a rod keeps. Twisted to five times its yield strain and
-/// back, a rod of layers goes back elastically for twice the yield stress (past zero torque), and then yields gradually.
+/// Effect of the residual stress pattern of a rod, which the nominal curve does not include. Twisted to five times its yield strain and back, a rod
+/// of layers unloads elastically over twice the yield stress (beyond zero torque), and then yields gradually.
 #[test]
 fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     let curve = Curve::new(&[(TAU / G, TAU), (0.5, TAU)], Beyond::Extend).expect("rows rise");
@@ -351,7 +351,7 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
         let law = assemble::segment_law(&segment, &effects).law;
         let (mut sigma, mut state) = ([0.0], vec![0.0; law.state_len()]);
         let (mut layers, mut strain) = (Layers::new(), 0.0);
-        // Largest difference on the way up, back to zero torque, and on to the same strain on the other side.
+        // Largest differences in loading, in unloading to zero torque, and in reverse loading to the same strain.
         let mut worst = [0.0_f64; 3];
         for i in 1..=3000 {
             let next = if i <= 1000 { top * f64::from(i) / 1000.0 } else { top * (1.0 - f64::from(i - 1000) / 1000.0) };
@@ -375,15 +375,16 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
     let (isotropic, kinematic) = (path(HardeningRule::Isotropic), path(HardeningRule::Kinematic));
     println!("isotropic {isotropic:?}, kinematic {kinematic:?}");
     for worst in [isotropic, kinematic] {
-        // Up and back to zero torque: the tolerance of the table (1e-4 of 4/3) and the layers' own 1e-4.
+        // Loading and unloading to zero torque: the tolerance of the table (1e-4 of 4/3), and 1e-4 of the layers.
         assert!(worst[0] < 4e-4 && worst[1] < 4e-4, "{worst:?}");
     }
-    // Twisted back as far on the other side, as docs/guide/bars.md says: isotropic hardening yields too late and is then off by 0.28 of
-    // the yield stress at most; kinematic hardening is right: the layers are elements in parallel.
+    // Twisted as far in the other sense, as docs/guide/bars.md states: isotropic hardening yields too late, with an error of at most 0.28 of the
+    // yield stress; kinematic hardening is correct: the layers are parallel elements.
     assert!((isotropic[2] - 0.28).abs() < 0.01 && kinematic[2] < 4e-4, "{isotropic:?} {kinematic:?}");
 }
 
-/// The constants of rate laws stayed those of tension: a tube twisted at 1000 1/s carried 35 % too much by Zerilli and Armstrong's law.
+/// The constants of rate laws must be converted from tension, too: otherwise, a tube twisted at 1000 1/s has 35 % too much stress with Zerilli and
+/// Armstrong's law.
 #[test]
 fn von_mises_rule_converts_rate_laws_as_well() {
     let (modulus, yields, twisting) = (208e9_f64, 277e6_f64, 1000.0_f64);
@@ -421,7 +422,7 @@ fn von_mises_rule_converts_rate_laws_as_well() {
     }
 }
 
-/// The audit advised to add effects that torsion refuses.
+/// The audit must not recommend effects that torsion does not support.
 #[test]
 fn no_advice_is_given_that_torsion_refuses() {
     let bar = "mode = \"torsion\"\nshear = \"von-mises\"\nlength = 0.3\ndiameter = 0.02\nmaterial = \"steel-1006-jc\"";
@@ -436,7 +437,7 @@ fn no_advice_is_given_that_torsion_refuses() {
     assert!(summary.audit.iter().all(|row| !row.remedy.contains("rupture") && !row.remedy.contains("lateral")));
 }
 
-/// The error gave as the allowed diameter the one that stood there.
+/// The error states the allowed diameter, and not the given one.
 #[test]
 fn a_thin_tube_beside_a_rod_is_told_its_mean_diameter() {
     let material = format!("material = {{ name = \"s\", loading = \"shear\", {TABLE} }}");

@@ -1,4 +1,4 @@
-//! Result files of tracked runs against the fronts themselves.
+//! Result files of tracked runs compared with the fronts themselves.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -14,7 +14,7 @@ use barwave::solver::moc::{FrontTracking, Settings};
 
 use crate::common::binary;
 
-/// s. Later, fronts that run at incommensurate speeds meet by the million.
+/// End time, s. Later, fronts with incommensurate speeds interact by the million.
 const UNTIL: f64 = 300e-6;
 
 /// A bilinear bar in two pieces, struck and released: reflections, unloading, a joint.
@@ -56,7 +56,7 @@ fn tracked(scene: &Scene, tolerance: f64) -> FrontTracking {
     assemble::front_tracking(scene, settings)
 }
 
-/// The scene's result file.
+/// Returns the result file of the scene.
 fn result(scene: &Scene, folder: &Path) -> ResultFile {
     let path = folder.join("out.h5");
     run::run(scene, Some(&path), &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
@@ -77,7 +77,7 @@ fn fields_are_those_of_the_fronts_at_the_asked_places_and_times() {
     for (k, &t) in time.iter().enumerate() {
         bar.advance_to(t).expect("it goes on");
         for (i, &x) in x.iter().enumerate() {
-            // Read in one sweep or each by itself, it is the same state, bit for bit.
+            // Read in one pass or one by one, the state is the same, bit for bit.
             let state = bar.state_at(x);
             let written = [stress[(k, i)], strain[(k, i)], velocity[(k, i)], plastic[(k, i)]];
             assert_eq!(written, [state.stress, state.strain, state.velocity, state.plastic_strain], "t = {t}, x = {x}");
@@ -85,7 +85,7 @@ fn fields_are_those_of_the_fronts_at_the_asked_places_and_times() {
     }
 }
 
-/// Integral over all of a history that is straight between its rows.
+/// Returns the integral over time of a history that is linear between its rows.
 fn integral(time: &[f64], value: &[f64]) -> f64 {
     time.windows(2).zip(value.windows(2)).map(|(t, v)| 0.5 * (v[0] + v[1]) * (t[1] - t[0])).sum()
 }
@@ -100,7 +100,7 @@ fn assert_steps(trace: &Trace, name: &str) {
     }
 }
 
-/// What the gauges say of a time is the state of the bar there, to the bit.
+/// Checks that the records of gauges at a time are the state of the bar there, to the bit.
 fn assert_gauges_see(gauges: &[Gauge], bar: &FrontTracking, t: f64) {
     for gauge in gauges {
         let row = gauge.trace.time.partition_point(|&row| row <= t) - 1;
@@ -120,7 +120,7 @@ fn gauges_are_exact_steps() {
         let names: Vec<&str> = gauges.iter().map(|g| g.name.as_str()).collect();
         assert_eq!(names, ["start", "quarter", "joint", "end"]);
         let mut bar = tracked(&scene, tolerance);
-        // Times that no front has anything to do with.
+        // Times that are unrelated to any front.
         for k in 1..500 {
             let t = UNTIL * (f64::from(k) + 0.123_456) / 500.0;
             bar.advance_to(t).expect("it goes on");
@@ -132,8 +132,7 @@ fn gauges_are_exact_steps() {
     }
 }
 
-/// Fronts that meet just at a gauge, at the moments of frames: nothing is counted twice, and what lasts no time leaves
-/// no rows.
+/// Fronts that interact exactly at a gauge, at the times of frames: nothing is counted twice, and states of zero duration have no rows.
 #[test]
 fn a_gauge_where_fronts_meet_sees_only_what_lasts() {
     let text = "[bar]\nlength = 1\nmaterial = { name = \"a\", density = 7800, modulus = 200e9, beyond = \"extend\", \
@@ -142,7 +141,7 @@ fn a_gauge_where_fronts_meet_sees_only_what_lasts() {
                 until = UNTIL\nmethod = \"moc\"\nfront-tolerance = 0\n[record]\nframes = 9\n\
                 gauges = { start = 0, middle = 0.5, end = 1 }\n";
     let transit = (7800.0_f64 / 200e9).sqrt();
-    // Four transits, a frame every half: each lies on a meeting, up to rounding.
+    // Four transits with a frame every half transit: each is at the time of an interaction, to rounding.
     let text = text.replace("UNTIL", &format!("{:e}", 4.0 * transit));
     let scene = Scene::parse("meeting.toml", &text, Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
     let folder = tempfile::tempdir().expect("a folder");
@@ -160,7 +159,7 @@ fn a_gauge_where_fronts_meet_sees_only_what_lasts() {
             assert!(times[0] < times[2], "{}: three rows at t = {}", gauge.name, times[0]);
         }
     }
-    // By symmetry the middle never moves, and its first step is the elastic waves' meeting.
+    // By symmetry the middle never moves, and its first step is the interaction of the elastic waves.
     let middle = &gauges[1].trace;
     assert!(middle.velocity.iter().all(|v| v.abs() < 1e-12), "{:?}", middle.velocity);
     assert!((middle.time[1] / (0.5 * transit) - 1.0).abs() < 1e-14);
@@ -170,7 +169,7 @@ fn a_gauge_where_fronts_meet_sees_only_what_lasts() {
 fn displacements_are_the_integral_of_the_velocities_with_and_without_a_tolerance() {
     let folder = tempfile::tempdir().expect("a folder");
     for tolerance in ["0", "0.02"] {
-        // Gauges at sample places.
+        // Gauges at sample positions.
         let places = "record.gauges={ a = 0.00125, b = 0.25125, c = 0.60125, d = 0.99875 }";
         let scene = scene(tolerance).with(&[places]).expect("a right scene");
         let file = result(&scene, folder.path());
@@ -179,7 +178,7 @@ fn displacements_are_the_integral_of_the_velocities_with_and_without_a_tolerance
         for (gauge, sample) in file.gauges().expect("gauges").iter().zip([0, 100, 240, 399]) {
             let moved = integral(&gauge.trace.time, &gauge.trace.velocity);
             let field = displacement[(0, sample)];
-            // A sum of some hundred pieces of up to 2 mm each, and openings that are placed to 1/4096 of the bar.
+            // A sum of some hundred pieces of up to 2 mm each, and openings that are located to 1/4096 of the bar.
             let allowed = if tolerance == "0" { 1e-15 } else { 1e-5 };
             assert!((moved - field).abs() < allowed, "{} with tolerance {tolerance}: {moved:e}, {field:e}", gauge.name);
         }
@@ -197,7 +196,7 @@ fn the_impulse_of_the_end_histories_is_the_momentum() {
     let ledger = file.ledger().expect("a ledger");
     let last = ledger.last().expect("a row");
     let impulse = 1e-4 * integral(&right.time, &right.stress) - 2e-4 * integral(&left.time, &left.stress);
-    // Some ten steps of 8 N s in all.
+    // About ten steps of 8 N s in total.
     assert!((impulse - last.energies.momentum).abs() < 1e-13, "{impulse:e} {:e}", last.energies.momentum);
     assert!(ledger.iter().all(|row| row.residual.abs() < 1e-13));
 }
@@ -214,20 +213,20 @@ fn paths_are_the_straight_pieces_of_all_fronts() {
     assert_eq!(paths.len(), ended.len() + bar.living_front_segments().count());
     for path in &paths {
         assert!(path.t1 > path.t0 && path.stress_jump != 0.0, "{path:?}");
-        // Where a front reaches an end is known to rounding.
+        // The position where a front reaches an end is known to rounding.
         let inside = |x: f64| (-1e-15..=1.0 + 1e-15).contains(&x);
         assert!(inside(path.x0) && inside(path.x1), "{path:?}");
         // Two subtractions of numbers of order one.
         let speed = (path.x1 - path.x0) / (path.t1 - path.t0);
         assert!((path.speed / speed - 1.0).abs() < 1e-12, "{path:?}");
     }
-    // The fronts under way are in the front table: what theory sends out first, then the rest.
+    // The active fronts are in the front table: first those of the theoretical fans, then the others.
     let fronts = file.fronts().expect("fronts");
     let under_way = fronts.iter().filter(|f| f.last_seen == UNTIL).count();
     assert_eq!(under_way, bar.living_front_segments().count());
     let first = &fronts[0];
     assert_eq!((first.origin.as_str(), first.position), ("left", 0.6));
-    // The gauge at a quarter: 0.25 m at c0.
+    // The gauge at a quarter of the length: 0.25 m at c0.
     assert!((first.arrivals[1] / (0.25 / 5_063.696_835_418_334) - 1.0).abs() < 1e-13, "{:?}", first.arrivals);
 }
 
@@ -246,7 +245,8 @@ fn a_run_that_is_interrupted_keeps_what_it_has() {
     assert!(!file.paths().expect("paths").is_empty());
 }
 
-/// The bar is elastic: its end shares every step with a falling weight, and what gathers at the face is nothing, not rounding of either sign.
+/// The bar is elastic: its end exchanges energy with a falling weight in every step, and the energy concentrated at the face is exactly zero, not
+/// rounding of either sign.
 #[test]
 fn an_elastic_bar_dissipates_nothing_and_nothing_below_zero() {
     let text = std::fs::read_to_string("runs/falling-weight.toml").expect("a scene of the examples");
@@ -262,7 +262,7 @@ fn an_elastic_bar_dissipates_nothing_and_nothing_below_zero() {
     }
 }
 
-/// A look at just the moment in which a front came to a gauge lost it: the gauge, and the figures of a joint there, stayed at zero.
+/// A front that reaches a gauge at exactly the time of an output must not be lost: the gauge, and the figures of a joint there, would stay at zero.
 #[test]
 fn a_front_that_comes_to_a_gauge_as_the_run_is_looked_at_is_seen() {
     let half = "[[bar.segment]]\nlength = 0.1\narea = 1e-4\nmaterial = { density = 8000, modulus = 200e9, beyond = \"extend\", \

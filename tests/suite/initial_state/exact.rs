@@ -9,30 +9,30 @@ use barwave::{assemble, run};
 use super::methods::{By, Seen, follow};
 use super::{E, HARDENING, IMPEDANCE, YIELD, material, scene, text};
 
-/// Elastic wave speed, m/s, and the time in which it crosses the bar of one metre, s.
+/// Elastic wave speed, m/s, and its transit time through the bar of one metre, s.
 const SPEED: f64 = 5000.0;
 const TRANSIT: f64 = 1.0 / SPEED;
 
 const FREE: &str = "kind = \"free\"";
 const FIXED: &str = "kind = \"fixed\"";
 
-/// A constant piece of an exact solution: its right border (m), stress (Pa), velocity (m/s) and plastic strain.
+/// Constant piece of an exact solution: its right border (m), stress (Pa), velocity (m/s) and plastic strain.
 type Piece = (f64, [f64; 3]);
 
-/// Elastic pieces.
+/// Returns elastic pieces.
 fn elastic<const N: usize>(pieces: [(f64, f64, f64); N]) -> Vec<Piece> {
     pieces.map(|(to, stress, velocity)| (to, [stress, velocity, 0.0])).to_vec()
 }
 
-/// How far a bar is from the exact solution, in stress over `scale` (Pa): the largest difference and the mean one. Of velocities by the
-/// impedance, and of plastic strains by the modulus, likewise.
+/// Differences between a bar and the exact solution, the largest and the mean one, in stress relative to `scale` (Pa). Differences of velocities are
+/// multiplied by the impedance, those of plastic strains by the modulus.
 #[derive(Debug, Clone, Copy)]
 struct Apart {
     largest: f64,
     mean: f64,
 }
 
-/// Places nearer than `near` (m) to a border between pieces do not count.
+/// Returns the differences; positions closer than `near` (m) to a border between pieces are excluded.
 fn apart(seen: &Seen, exact: &[Piece], scale: f64, near: f64) -> Apart {
     let (mut largest, mut sum, mut count) = (0.0_f64, 0.0, 0.0);
     for (i, &x) in seen.x.iter().enumerate() {
@@ -50,7 +50,7 @@ fn apart(seen: &Seen, exact: &[Piece], scale: f64, near: f64) -> Apart {
     Apart { largest, mean: sum / count }
 }
 
-/// The bar is the exact solution to rounding, by any method. Cells at a front of the leapfrog scheme have the mean velocity.
+/// Checks that the bar agrees with the exact solution to rounding, with any method. Cells at a front have the mean velocity with leapfrog.
 fn assert_exact(by: By, scene_text: &str, time: f64, exact: &[Piece], scale: f64) {
     let seen = follow(&scene(scene_text), time);
     let near = if by == By::Leapfrog { 0.006 } else { 1e-9 };
@@ -75,7 +75,7 @@ fn a_prestressed_bar_that_is_released_at_one_end_rings() {
     }
 }
 
-/// By leapfrog its end cells moved at first, with 1.25 m/s for 100 MPa.
+/// The end cells must not move in the first step with leapfrog, which would give 1.25 m/s for 100 MPa.
 #[test]
 fn a_prestressed_bar_between_fixed_ends_or_walls_is_at_rest() {
     for (end, stress) in [(FIXED, 1e8), (FIXED, -1e8), ("kind = \"wall\"", -1e8)] {
@@ -131,7 +131,7 @@ fn a_prestressed_middle_third_sends_half_its_stress_both_ways() {
     }
 }
 
-/// Two halves of unlike section and state; the joint between them is at 0.5 m.
+/// Returns two halves of different sections and states; the joint between them is at 0.5 m.
 fn halves(by: By, [left, right]: [(f64, f64); 2], joint: &str, cells: usize) -> String {
     let half = |stress: f64, joint: &str| (0.5, format!("material = {}\nstress = {stress}\n{joint}", by.material("")));
     let segments = [half(left.1, joint), half(right.1, "")];
@@ -141,10 +141,10 @@ fn halves(by: By, [left, right]: [(f64, f64); 2], joint: &str, cells: usize) -> 
     format!("{first}{}{}", area(left.0), second.replacen("area = 1e-4", &area(right.0), 1))
 }
 
-/// At 0.4 transits from free ends on: the joint has sent waves to 0.1 m and 0.9 m, as the ends have to 0.4 m and 0.6 m.
+/// Returns the solution at 0.4 transits with free ends: the joint has sent waves to 0.1 m and 0.9 m, the ends to 0.4 m and 0.6 m.
 fn of_joint([left, right]: [f64; 2], [to_left, to_right]: [[f64; 2]; 2]) -> Vec<Piece> {
     let end = |stress: f64| [0.0, stress / IMPEDANCE];
-    // Waves of the ends and of the joint cross.
+    // The waves of the ends and of the joint cross.
     let both = |end: [f64; 2], joint: [f64; 2], state: f64| [end[0] + joint[0] - state, end[1] + joint[1]];
     let [from_left, from_right] = [end(left), end(-right)];
     let piece = |to: f64, [stress, velocity]: [f64; 2]| (to, [stress, velocity, 0.0]);
@@ -160,14 +160,14 @@ fn of_joint([left, right]: [f64; 2], [to_left, to_right]: [[f64; 2]; 2]) -> Vec<
 
 #[test]
 fn unlike_prestress_at_a_joint_sends_waves_both_ways() {
-    // Sections 1 and 2 cm^2: with one force F and one velocity, F = (Y2 F1 + Y1 F2)/(Y1 + Y2).
+    // Sections 1 and 2 cm^2: with a common force F and velocity, F = (Y2 F1 + Y1 F2)/(Y1 + Y2).
     let (areas, stress) = ([1e-4, 2e-4], [-150e6, 30e6]);
     let force = (areas[1] * (areas[0] * stress[0]) + areas[0] * (areas[1] * stress[1])) / (areas[0] + areas[1]);
     let sigma = [force / areas[0], force / areas[1]];
     let velocity = (sigma[0] - stress[0]) / IMPEDANCE;
     let bonded = of_joint(stress, [[sigma[0], velocity], [sigma[1], velocity]]);
     let closed = bonded.clone();
-    // Faces that would have to pull part, and are free.
+    // Faces that would be in tension separate and are free.
     let pulled = [150e6, 30e6];
     let apart = of_joint(pulled, [[0.0, -pulled[0] / IMPEDANCE], [0.0, pulled[1] / IMPEDANCE]]);
     for by in By::ALL {
@@ -183,7 +183,7 @@ fn unlike_prestress_at_a_joint_sends_waves_both_ways() {
 
 #[test]
 fn a_gap_closes_as_the_prestress_behind_it_is_released() {
-    // The face leaves with sigma/(rho c0) = 2.5 m/s, meets the other half after 0.1 transits and has half its velocity then.
+    // The face starts with sigma/(rho c0) = 2.5 m/s, meets the other half after 0.1 transits, and then has half its velocity.
     let (sigma, v) = (-100e6, 2.5);
     let joint = format!("joint = \"contact\"\ngap = {}", v * 0.1 * TRANSIT);
     let exact = elastic([
@@ -210,7 +210,7 @@ fn a_gap_closes_as_the_prestress_behind_it_is_released() {
     }
 }
 
-/// A curve of three lines, and a bar that was stretched along its second one.
+/// A curve of three lines, and a bar that has been stretched along its second line.
 const ROWS: [(f64, f64); 3] = [(0.001, 200e6), (0.021, 600e6), (0.061, 800e6)];
 const THIRD: f64 = 5e9;
 
@@ -219,19 +219,19 @@ fn curve() -> String {
     format!("{{ density = 8000, modulus = 200e9, beyond = \"extend\", curve = {{ table = [{rows}] }} }}")
 }
 
-/// A bar struck from the left: effects, its state, and what follows from it.
+/// A bar struck from the left: its effects, its state, and what follows from it.
 struct Struck {
     material: String,
     hardening: &'static str,
     stress: f64,
     plastic: f64,
-    /// Where it yields in compression, and where its lines end from there on: stress magnitude (Pa) and tangent modulus (Pa).
+    /// Yield stress in compression; the following lines end at these stress magnitudes (Pa) and have these tangent moduli (Pa).
     limit: f64,
     lines: Vec<(f64, f64)>,
 }
 
 impl Struck {
-    /// Velocity of the end, m/s, and the exact solution after `time` s.
+    /// Returns the velocity of the end, m/s, and the exact solution after `time` s.
     fn exact(&self, time: f64) -> (f64, Vec<Piece>) {
         let mut pieces = vec![(1.0, [self.stress, 0.0, self.plastic])];
         let mut velocity = (self.stress + self.limit) / IMPEDANCE;
@@ -304,7 +304,7 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
             if by == By::Fronts {
                 assert!(errors[0] < 1e-12, "{}: {errors:?}", case.hardening);
             } else {
-                // Starting exactly, 100 cells have hardly begun to spread the slowest front: their error is half of what it would be.
+                // With the exact start, 100 cells have hardly begun to spread the slowest front: their error is half of the asymptotic one.
                 assert!(errors[0] < 0.05 && errors[2] < 0.02 && order > 0.55, "{by:?} {}: {errors:?}", case.hardening);
             }
         }
@@ -313,7 +313,7 @@ fn a_bar_that_has_yielded_flows_on_along_the_rest_of_its_curve() {
 
 #[test]
 fn a_joint_makes_a_prestressed_bar_flow() {
-    // Sections 1 and 4 cm^2 under one stress: the force that both agree on takes the thinner one past its yield stress.
+    // Sections 1 and 4 cm^2 under the same stress: the common force makes the thinner one yield.
     let sigma = 190e6;
     let plastic_impedance = IMPEDANCE * (HARDENING / E).sqrt();
     let driven = (sigma - (YIELD - sigma)) / IMPEDANCE + YIELD / plastic_impedance;
@@ -345,15 +345,15 @@ fn a_joint_makes_a_prestressed_bar_flow() {
     }
 }
 
-/// A bar that has yielded and a virgin one of the hardened material, loaded and unloaded: how far they are apart in stress over the
-/// raised elastic limit, the largest difference and the mean one, and in plastic strain since the start.
+/// Compares a bar that has yielded with a virgin one of the hardened material during loading and unloading. Returns the differences in stress
+/// relative to the raised elastic limit, and in the plastic strain since the start.
 fn worked_and_virgin(by: By, cells: usize) -> (Apart, f64) {
     let plastic = 0.01;
     let limit = YIELD + HARDENING / (1.0 - HARDENING / E) * plastic;
     let rate = if by == By::Net { ", rate.malvern = { k = \"2e6 1/s\" }" } else { "" };
     let worked = format!("material = {}\nplastic-strain = {plastic}", material(YIELD, rate));
     let virgin = format!("material = {}", material(limit, rate));
-    // Steps make few fronts.
+    // Steps cause few fronts.
     let steps = if by == By::Fronts { "[0, -25], [4e-5, -25], [4e-5, 10]" } else { "[0, 0], [4e-5, -25], [8e-5, 10]" };
     let drive = format!("kind = \"velocity\"\nhistory = [{steps}]");
     let effects = by.effects("hardening = \"isotropic\"");
@@ -375,8 +375,8 @@ fn a_bar_that_has_yielded_is_a_bar_of_the_hardened_material_by_every_method() {
         let (stress, strain) = worked_and_virgin(by, 200);
         assert!(stress.largest < 1e-9 && strain < 1e-9, "{by:?}: {stress:?} {strain:e}");
     }
-    // A virgin cell that comes to its yield stress within a step has faces on either side of the knot of its curve; the curve of a
-    // worked one has no knot there.
+    // A virgin cell that reaches its yield stress within a step has faces on either side of the knot of its curve; the curve of a hardened one has no
+    // knot there.
     let means = [200, 400, 800].map(|cells| worked_and_virgin(By::Godunov, cells).0.mean);
     assert!(means.iter().all(|mean| *mean < 1e-5), "{means:?}");
 }

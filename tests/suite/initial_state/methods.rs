@@ -1,4 +1,4 @@
-//! The methods, and a bar followed by any of them.
+//! The methods, and the state of a bar with any of them.
 
 use barwave::assemble::{self, Task};
 use barwave::record::{Ledger, Stepped};
@@ -9,30 +9,30 @@ use barwave::solver::moc::Settings;
 
 use super::{YIELD, material};
 
-/// A method of solution.
+/// Method of solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
     Leapfrog,
     Godunov,
     Fronts,
-    /// Of a rate-dependent bar.
+    /// Characteristic net, with a rate-dependent bar.
     Net,
 }
 
-/// Places at which fronts are read.
+/// Number of positions at which tracked bars are sampled.
 const SAMPLES: usize = 400;
 
 impl By {
     pub const ALL: [Self; 4] = [Self::Leapfrog, Self::Godunov, Self::Fronts, Self::Net];
     pub const RATE_INDEPENDENT: [Self; 3] = [Self::Leapfrog, Self::Godunov, Self::Fronts];
 
-    /// The table `[solve]` of a run on about so many cells at Courant number 1; front tracking keeps every wave.
+    /// Returns the keys of `[solve]` for a run with about `cells` cells at Courant number 1; front tracking merges no waves.
     pub fn solve(self, until: f64, cells: usize) -> String {
         let tolerance = if self == Self::Fronts { "\nfront-tolerance = 0" } else { "" };
         self.solve_within(until, cells, 1.0) + tolerance
     }
 
-    /// The same with a Courant number; front tracking merges waves.
+    /// Returns the keys of `[solve]` with a given Courant number; front tracking merges waves.
     pub fn solve_within(self, until: f64, cells: usize, cfl: f64) -> String {
         let method = match self {
             Self::Leapfrog => format!("method = \"fd\"\ncells = {cells}\ncfl = {cfl}"),
@@ -43,7 +43,7 @@ impl By {
         format!("until = {until}\n{method}")
     }
 
-    /// The steel, with a rate where the method asks for one.
+    /// Returns the steel, with a rate law if the method requires one.
     pub fn material(self, more: &str) -> String {
         let rate = if self == Self::Net { ", rate.malvern = { k = \"2e6 1/s\" }" } else { "" };
         material(YIELD, &format!("{rate}{more}"))
@@ -55,7 +55,7 @@ impl By {
     }
 }
 
-/// A bar at a moment: cells, or samples between fronts.
+/// State of a bar at one time, in cells or at samples between fronts.
 #[derive(Debug, Clone)]
 pub struct Seen {
     pub time: f64,
@@ -66,7 +66,7 @@ pub struct Seen {
     pub ledger: Ledger,
 }
 
-/// The bar of a scene at `time`, s; on a grid, at the nearest step.
+/// Returns the state of the bar of a scene at `time`, s; on a grid, at the nearest step.
 pub fn follow(scene: &Scene, time: f64) -> Seen {
     assemble::solve(scene, Following { scene, time })
 }

@@ -1,14 +1,14 @@
-//! Rate-dependent bars that are stressed, or have yielded, at t = 0: by the characteristic net and by leapfrog.
+//! Rate-dependent bars that are stressed, or have yielded, at t = 0, with the characteristic net and with leapfrog.
 
 use super::methods::{By, follow};
 use super::{E, HARDENING, IMPEDANCE, YIELD, material, scene, text};
 
-/// Time in which an elastic wave crosses the bar, s.
+/// Transit time of an elastic wave through the bar, s.
 const TRANSIT: f64 = 2e-4;
 
 #[test]
 fn the_front_in_a_rate_dependent_bar_decays_to_the_raised_yield_stress() {
-    // Overstress over the static curve, behind the front: x exp(-k t/2) (Malvern 1951).
+    // Overstress above the static curve behind the front: x exp(-k t/2) (Malvern 1951).
     let (sigma, plastic, k, velocity, time) = (-50e6, -0.004_f64, 5e4, 15.0, 0.4 * TRANSIT);
     let limit = YIELD + HARDENING / (1.0 - HARDENING / E) * plastic.abs();
     let struck = IMPEDANCE * velocity - sigma;
@@ -22,7 +22,7 @@ fn the_front_in_a_rate_dependent_bar_decays_to_the_raised_yield_stress() {
         let seen = follow(&scene(&text), time);
         assert!(seen.ledger.worst_energy() < 1e-12, "{:?}", seen.ledger);
         let front = (0.4 * cells as f64).round() as usize;
-        // Ahead of the front the bar is as it was.
+        // Ahead of the front, the bar has its initial state.
         assert!(seen.plastic[front..].iter().all(|p| *p == plastic));
         let to_front = 1.5 * seen.stress[front - 1] - 0.5 * seen.stress[front - 2];
         ((to_front - exact) / exact).abs()
@@ -31,7 +31,7 @@ fn the_front_in_a_rate_dependent_bar_decays_to_the_raised_yield_stress() {
     assert!(errors[2] < 1e-4 && order > 1.8, "{errors:?} {order}");
 }
 
-/// Mean difference of stress and plastic strain between the net and leapfrog, of Malvern's bar of three segments.
+/// Returns the mean differences of stress and plastic strain between the net and leapfrog, for a bar of three segments with Malvern's law.
 fn net_and_leapfrog(hardening: &str, cells: usize) -> [f64; 2] {
     let segment = |length: f64, state: &str| {
         (length, format!("material = {}\n{state}", material(YIELD, ", rate.malvern = { k = 1e5 }")))
@@ -49,7 +49,7 @@ fn net_and_leapfrog(hardening: &str, cells: usize) -> [f64; 2] {
         seen
     });
     assert!((net.time - leapfrog.time).abs() < 1e-9 * TRANSIT);
-    // Every segment flows.
+    // Every segment yields.
     for (third, start) in [(0.15, 0.003), (0.5, 0.0), (0.85, -0.003)] {
         let near = net.x.iter().zip(&net.plastic).filter(|(x, _)| (*x - third).abs() < 0.15);
         let most = near.map(|(_, p)| (p - start).abs()).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! Initial states that change along the bar: against exact solutions, and against longer runs that they continue.
+//! Initial states that vary along the bar: against exact solutions, and against longer runs that they continue.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -13,33 +13,33 @@ use super::{E, HARDENING, IMPEDANCE, YIELD, bar, material, parse, profile, scene
 
 const FREE: &str = "kind = \"free\"";
 const SPEED: f64 = 5000.0;
-/// Time in which an elastic wave crosses the bar of 1 m, s.
+/// Transit time of an elastic wave through the bar of 1 m, s.
 const TRANSIT: f64 = 2e-4;
-/// Largest step of the staircase that front tracking makes, of the largest value, and its mean distance from the table.
+/// Largest step of the staircase in front tracking relative to the largest value, and its mean difference from the table.
 const STEP: f64 = 0.01;
 const MEAN_OF_STEP: f64 = 0.25;
 const FRONT_TOLERANCE: f64 = 1e-3;
 
-/// `key = [[x, value], ...]`.
+/// Returns `key = [[x, value], ...]`.
 fn table(key: &str, rows: impl IntoIterator<Item = (f64, f64)>) -> String {
     let rows: Vec<String> = rows.into_iter().map(|(x, value)| format!("[{x:e}, {value:e}]")).collect();
     format!("{key} = [{}]", rows.join(", "))
 }
 
-/// Values that are constant between `borders`.
+/// Returns a table of values that are constant between `borders`.
 fn stairs(key: &str, borders: &[f64], values: &[f64]) -> String {
     let rows = borders.windows(2).zip(values).flat_map(|(pair, &value)| [(pair[0], value), (pair[1], value)]);
     table(key, rows)
 }
 
-/// The integral of f from 0 to x for a function that is odd about both free ends of a bar of 1 m.
+/// Returns the integral of f from 0 to x for a function that is continued as an odd one about both free ends of a bar of 1 m.
 fn integral(inside: &impl Fn(f64) -> f64, x: f64) -> f64 {
-    // Even about 0 and 1, with the period 2; over a period nothing is left.
+    // The integral is even about 0 and 1, with the period 2; it vanishes over a period.
     let rest = x.rem_euclid(2.0);
     inside(if rest <= 1.0 { rest } else { 2.0 - rest })
 }
 
-/// Stress and velocity of a bar with free ends that starts at rest, at `time`: means over a cell (m); `inside` is the integral of the
+/// Returns stress and velocity of a bar with free ends that starts at rest, at `time`, as means over a cell (m); `inside` is the integral of the
 /// initial stress (D'Alembert).
 fn dalembert(inside: &impl Fn(f64) -> f64, [from, to]: [f64; 2], time: f64) -> [f64; 2] {
     let shift = SPEED * time;
@@ -47,7 +47,7 @@ fn dalembert(inside: &impl Fn(f64) -> f64, [from, to]: [f64; 2], time: f64) -> [
     [0.5 * (mean(shift) + mean(-shift)), 0.5 * (mean(shift) - mean(-shift)) / IMPEDANCE]
 }
 
-/// Mean differences of stress over `scale` (Pa), and of velocity over that of `scale`.
+/// Returns the mean differences of stress relative to `scale` (Pa), and of velocity relative to that of `scale`.
 fn apart(seen: &Seen, inside: &impl Fn(f64) -> f64, scale: f64) -> [f64; 2] {
     let count = seen.x.len() as f64;
     let mut sums = [0.0; 2];
@@ -62,7 +62,7 @@ fn apart(seen: &Seen, inside: &impl Fn(f64) -> f64, scale: f64) -> [f64; 2] {
 #[test]
 fn a_stress_over_x_sends_half_of_it_both_ways() {
     let top = 150e6;
-    // A triangle with its corner at 0.3 m.
+    // A triangle with its peak at 0.3 m.
     let triangle = |x: f64| {
         let rise = x.min(0.3);
         let fall = (x - 0.3).max(0.0);
@@ -76,13 +76,13 @@ fn a_stress_over_x_sends_half_of_it_both_ways() {
         let seen = follow(&scene(&text), time);
         let [stress, velocity] = apart(&seen, &triangle, top);
         let allowed = match by {
-            // Exact at Courant number 1: the means over the cells are the exact ones, but for the velocities of the cells at the corners,
-            // which are means of their nodes.
+            // Exact at Courant number 1: the means over the cells are exact, except for the velocities of the cells at the corners, which are means
+            // of their nodes.
             By::Leapfrog => [1e-11, 1e-4],
             By::Net => [1e-11; 2],
-            // At points in the place of means over 400 samples.
+            // Compared at points instead of means, at 400 samples.
             By::Fronts => [MEAN_OF_STEP * STEP + FRONT_TOLERANCE; 2],
-            // Corners are clipped by the slopes of the cells next to them.
+            // Corners are clipped by the slopes of the adjacent cells.
             By::Godunov => [5e-3; 2],
         };
         assert!(stress < allowed[0] && velocity < allowed[1], "{by:?}: {stress:e} {velocity:e}");
@@ -101,17 +101,17 @@ fn a_half_sine_swings_and_its_error_falls_as_the_cells_do() {
     let time = 2.7 * TRANSIT;
     for by in By::ALL {
         let errors = [50, 100, 200].map(|cells| {
-            // Rows much closer than the cells.
+            // Rows are much closer than cells.
             let rows = (0..=800).map(|i| f64::from(i) / 800.0).map(|x| (x, top * (PI * x).sin()));
             let state = format!("material = {}\n{}", by.material(""), table("stress", rows));
             let text = text(&[(1.0, state)], [FREE, FREE], &by.effects(""), &by.solve_within(time, cells, 0.8));
-            // Half the energy that the same stress all along would have.
+            // Half the energy of a bar with the largest stress everywhere.
             let stored = 0.25 * 1e-4 * top * top / E;
             let seen = follow(&scene(&text), time);
             assert!(seen.ledger.worst_energy() < 1e-12, "{by:?}: {:?}", seen.ledger);
             let start = assemble_start(&text);
-            // Means over cells lose pi^2/12 over the square of their number; leapfrog, whose motion is known half a step before and after,
-            // pi^2 cfl^2/4.
+            // Means over cells lose pi^2/12 divided by the square of their number; leapfrog, whose velocity is known half a step before and after,
+            // loses pi^2 cfl^2/4.
             let lost = (PI * PI * (1.0 / 12.0 + 0.16) * 1.05) / (cells * cells) as f64;
             assert!(by == By::Fronts || (start / stored - 1.0).abs() < lost, "{by:?} {cells}: {start} {stored}");
             let [stress, velocity] = apart(&seen, &inside, top);
@@ -126,7 +126,7 @@ fn a_half_sine_swings_and_its_error_falls_as_the_cells_do() {
     }
 }
 
-/// Energy of a bar at t = 0, J.
+/// Returns the energy of a bar at t = 0, J.
 fn assemble_start(text: &str) -> f64 {
     struct Energy;
     impl assemble::Task for Energy {
@@ -151,7 +151,7 @@ fn assemble_start(text: &str) -> f64 {
 const BOTH: &str = "kind = \"stress\"\nhistory = [[0, -260e6], [6e-5, -260e6], [6e-5, 0], [3e-4, 0], [3e-4, 290e6], [3.5e-4, \
                     290e6], [3.5e-4, 0]]";
 const SECOND: &str = "kind = \"stress\"\nhistory = [[0, 0], [1e-4, 0], [1e-4, 290e6], [1.5e-4, 290e6], [1.5e-4, 0]]";
-/// The same with slopes in the place of jumps.
+/// The same loads with ramps instead of jumps.
 const BOTH_SMOOTH: &str = "kind = \"stress\"\nhistory = [[0, 0], [3e-5, -260e6], [6e-5, -260e6], [9e-5, 0], [3e-4, 0], \
                            [3.3e-4, 290e6], [3.6e-4, 290e6], [3.9e-4, 0]]";
 const SECOND_SMOOTH: &str =
@@ -159,7 +159,7 @@ const SECOND_SMOOTH: &str =
 const PART: f64 = 2e-4;
 const WHOLE: f64 = 5e-4;
 
-/// The tables of a bar on a grid.
+/// Returns the tables of the state of a bar on a grid.
 fn state_of(seen: &Seen, accumulated: Option<&[f64]>) -> String {
     let cells = seen.x.len() as f64;
     let borders: Vec<f64> = (0..=seen.x.len()).map(|i| i as f64 / cells).collect();
@@ -233,7 +233,7 @@ fn front_tracking_goes_on_exactly_from_its_own_state() {
     let next = follow(&scene_of(&state.join("\n"), SECOND), WHOLE - PART);
     let long = follow(&first, WHOLE);
     let apart = mean_apart(&next, &long);
-    // A sample may lie between the places of a front that differ by rounding.
+    // A sample may lie between the positions of a front, which differ by rounding.
     assert!(apart < 1e-9, "{apart:e}");
     assert!(next.ledger.worst_energy() < 1e-12, "{:?}", next.ledger);
 }
@@ -249,7 +249,7 @@ fn what_has_flowed_both_ways_has_hardened_though_no_strain_is_left() {
             let text = text(&[(1.0, state.clone())], [drive, FREE], &effects, &by.solve(TRANSIT, 200));
             follow(&scene(&text), 0.9 * TRANSIT).plastic.iter().map(|p| p.abs()).fold(0.0, f64::max)
         };
-        // Below the raised limit nothing flows; above it, it does.
+        // The bar yields only above the raised limit.
         assert_eq!(at(&drive), 0.0, "{by:?}");
         assert!(at(&drive.replace("value = ", "value = 1")) > 1e-3, "{by:?}");
     }
@@ -280,7 +280,7 @@ fn a_table_of_the_whole_bar_is_shared_out_over_its_segments() {
 
 #[test]
 fn velocities_over_x_start_the_bar_moving() {
-    // v = v0 cos(pi x) swings between free ends: stress Z v0 sin(pi x) sin(w t).
+    // v = v0 cos(pi x) oscillates between free ends: stress Z v0 sin(pi x) sin(w t).
     let v0 = 3.0;
     let rows: Vec<_> = (0..=400).map(|i| f64::from(i) / 400.0).map(|x| (x, v0 * (PI * x).cos())).collect();
     for by in By::ALL {
@@ -331,7 +331,7 @@ fn the_balance_closes_with_forces_along_the_bar() {
 
 #[test]
 fn a_stressed_bar_on_dampers_and_a_foundation_swings_as_one_mode() {
-    // sigma = S sin(pi x), u = -S/(E pi) cos(pi x): an eigenmode of the bar between free ends, also with forces along it.
+    // sigma = S sin(pi x), u = -S/(E pi) cos(pi x): an eigenmode of the bar between free ends, also with distributed forces.
     let (top, area, density) = (1e8, 1e-4, 8000.0);
     let wave = PI * SPEED;
     for (force, per_mass, spring, inertia) in [
@@ -340,8 +340,8 @@ fn a_stressed_bar_on_dampers_and_a_foundation_swings_as_one_mode() {
         ("damping = { foundation = 3e8 }", 0.0, 3e8 / (density * area), 1.0),
         ("lateral-inertia = true", 0.0, 0.0, 1.0 + 0.09 * area / (2.0 * PI) * PI * PI),
     ] {
-        // u'' + d u' + w^2 u = 0, u(0) = 1, u'(0) = 0. The foundation is without force at t = 0: its place is counted from there, and
-        // what it then adds is the swing about another rest.
+        // u'' + d u' + w^2 u = 0, u(0) = 1, u'(0) = 0. The foundation has no force at t = 0: its displacement is relative to that time, so that it
+        // adds an oscillation about another equilibrium.
         let (d, stiffness) = (0.5 * per_mass / inertia, (wave * wave + spring) / inertia);
         let rest = spring / (wave * wave + spring);
         let errors = [50, 100, 200].map(|cells| {
@@ -365,7 +365,7 @@ fn a_stressed_bar_on_dampers_and_a_foundation_swings_as_one_mode() {
 
 #[test]
 fn friction_holds_a_bar_whose_stress_is_below_it() {
-    // A stress that falls by 10 MPa a metre pulls with 1000 N/m on 1 cm^2.
+    // A stress gradient of -10 MPa per metre exerts a force of 1000 N/m on 1 cm^2.
     let run = |friction: f64| {
         let state =
             format!("material = {}\n{}", material(YIELD, ""), table("stress", [(0.0, 0.0), (0.5, 5e6), (1.0, 0.0)]));
@@ -381,7 +381,7 @@ const HOT: &str = ", heat = { specific-heat = 460, reference-temperature = 293, 
 
 #[test]
 fn a_warm_bar_yields_at_the_softened_stress() {
-    // Halfway to melting: half the flow stress, that of the plastic strain it has.
+    // Halfway to melting: half the flow stress at its plastic strain.
     let flow = 0.5 * (YIELD + HARDENING / (1.0 - HARDENING / E) * 0.01);
     let state = format!("material = {}\nplastic-strain = -0.01\ntemperature = \"1043 K\"", material(YIELD, HOT));
     let effects = "hardening = \"isotropic\"\nheat = {}";

@@ -1,4 +1,4 @@
-//! What must hold for any scene.
+//! Properties of any scene.
 
 use std::any::Any;
 use std::ops::ControlFlow;
@@ -17,7 +17,7 @@ use barwave::solver::fd::Grid;
 use super::spec::{MAX_EVENTS, Method, Spec};
 use super::watch::{Figures, GIVES, Scaled, follow};
 
-/// Something that does not hold.
+/// Property that does not hold.
 #[derive(Debug, Clone)]
 pub struct Failure {
     pub class: &'static str,
@@ -30,14 +30,14 @@ impl Failure {
     }
 }
 
-/// What became of the scene by one method.
+/// Result of a scene with one method.
 pub enum Became {
     Refused,
     Stopped(String),
     Done(Box<Figures>),
 }
 
-/// The first words of a reason, the same whatever its figures.
+/// Returns the first words of a reason, without its numbers.
 fn without_figures(reason: &str) -> String {
     let words = reason.split_whitespace().filter(|word| !word.contains(|c: char| c.is_ascii_digit()));
     words.take(8).collect::<Vec<_>>().join(" ")
@@ -60,7 +60,7 @@ impl Became {
     }
 }
 
-/// A scene by every method.
+/// Results of a scene with every method.
 pub struct Checked {
     pub failures: Vec<(Method, Failure)>,
     pub became: Vec<(Method, Became)>,
@@ -76,8 +76,8 @@ pub fn check(spec: &Spec) -> Checked {
     let done: Vec<(Method, &Figures)> =
         checked.became.iter().filter_map(|(method, became)| Some((*method, became.figures()?))).collect();
     let slow = done.iter().any(|(_, figures)| figures.strain > RESOLVED);
-    // Where and when a bar breaks, and on which side of an end, goes with the resolution.
-    // Along falling curves see tests/suite/muscl_bounds.rs.
+    // The time and position at which a bar breaks, and the side of an end, depend on the resolution.
+    // For falling curves see tests/suite/muscl_bounds.rs.
     let pairs = if slow || spec.has_effect("rupture") || spec.has_falling_curve() { &[][..] } else { &done };
     let disagree = pairs.windows(2).filter_map(|pair| Some((pair[0].0, methods_disagree(spec, pair)?)));
     let found: Vec<_> = disagree.chain(stops_alone(spec, &checked.became)).collect();
@@ -85,17 +85,18 @@ pub fn check(spec: &Spec) -> Checked {
     checked
 }
 
-/// Parts of the strain at which a method stops to which the others have to come, on the scene's cells or on much finer ones.
+/// Fractions of the strain at which one method stops that another method must reach, on the cells of the scene, or on much finer ones.
 const NEAR: [f64; 2] = [0.5, 0.9];
-/// How many times as many cells show the largest strains of short loads, and of waves that run together; and by how much a strain still grows then that
-/// is not resolved yet.
+/// Factors of refinement that show the largest strains of short loads, and of waves that converge; and the growth of a strain that is not resolved
+/// yet.
 const STILL_FINER: [usize; 3] = [16, 64, 256];
 const GROWS: f64 = 1.5;
 
-/// Methods that stop at the end of the data, or in fully compressed material, where no other method comes near that strain, on finer cells either.
+/// Returns the methods that stop at the end of the data, or in fully compressed material, although no other method comes near that strain, even on
+/// finer cells.
 fn stops_alone(spec: &Spec, became: &[(Method, Became)]) -> Vec<(Method, Failure)> {
     let done: Vec<_> = became.iter().filter_map(|(method, became)| Some((*method, became.figures()?))).collect();
-    // A place where strain gathers has no size: its strain goes with the cells, and so does whether it breaks before its data end.
+    // Strain concentrated at a point depends on the cell size, and so does whether the bar breaks before its data end.
     if done.is_empty() || spec.has_effect("rupture") || done.iter().any(|(_, figures)| figures.gathers) {
         return Vec::new();
     }
@@ -104,7 +105,7 @@ fn stops_alone(spec: &Spec, became: &[(Method, Became)]) -> Vec<(Method, Failure
         let mut before = f64::INFINITY;
         figures.strain_of_cell >= NEAR[0] * limit
             || STILL_FINER.into_iter().any(|n| {
-                // Where it has no figures, it stops itself.
+                // Without figures, the method stops, too.
                 let strain = finer(n).unwrap_or(f64::INFINITY);
                 let near = strain >= NEAR[1] * limit || strain > GROWS * before;
                 before = strain;
@@ -120,7 +121,7 @@ fn stops_alone(spec: &Spec, became: &[(Method, Became)]) -> Vec<(Method, Failure
     became.iter().filter_map(alone).collect()
 }
 
-/// The strain at which a run stops: at the end of the data, which the reason gives last, or without any length.
+/// Returns the strain at which a run stops: that at the end of the data, which the reason states last, or 1 for zero length.
 fn strain_of_stop(reason: &str) -> Option<f64> {
     if reason.contains("fully compressed") {
         return Some(1.0);
@@ -129,32 +130,32 @@ fn strain_of_stop(reason: &str) -> Option<f64> {
     last.trim_end_matches([')', '.']).parse().ok()
 }
 
-/// Two methods agree where they differ by less than this, relative, on the scene's own cells, on twice as many, and on still more.
+/// Relative differences up to which two methods agree, on the cells of the scene, on twice as many, and on still more.
 const AGREE: [f64; 3] = [0.04, 0.07, 0.15];
-/// How many times as many: a load that is shorter than the time of a cell is not resolved before.
+/// Factors of refinement: a load shorter than the time step is resolved only by the finer ones.
 const FINER: [usize; 6] = [1, 2, 4, 8, 16, 32];
 /// Strain above which plastic waves are so slow that some ten cells do not resolve them.
 pub const RESOLVED: f64 = 0.1;
-/// Stresses of bars in uniform motion are rounding, Pa.
+/// Stress up to which a bar counts as unstressed (in uniform motion), Pa.
 const ROUNDING_STRESS: f64 = 1.0;
-/// What is left of a difference on twice the cells where it goes to zero; with fronts to the square root of the cell size. Since the scene's
-/// own cells, or since all parts of a load are resolved.
+/// Largest ratio of a difference to that with half as many cells if it converges to zero; with fronts, it decreases as the square root of the cell
+/// size. It is applied from the cells of the scene, or from the resolution of all parts of a load.
 const FALLS: f64 = 0.85;
 
-/// Runs by two methods have to come together as cells become smaller.
+/// Returns a failure if the runs of two methods do not converge to each other as the cell size decreases.
 fn methods_disagree(spec: &Spec, pair: &[(Method, &Figures)]) -> Option<Failure> {
     let [a, b] = [pair[0].1, pair[1].1];
     if a.is_unstressed() && b.is_unstressed() || are_different_problems(pair) {
         return None;
     }
-    // The place where strain gathers has no size, so that what an end gives to it goes with the cells: see
+    // Strain concentrated at a point depends on the cell size, and so does the work of an end on it: see
     // `what_gathers_in_cells_comes_back_by_their_size`.
     let gathers = a.gathers || b.gathers || driven_beyond(spec);
     let size = |differences: &Differences| differences.size(gathers);
     let (first, mut differences) = (resolved_from(spec), vec![a.differs(b)]);
     for (k, by) in FINER.into_iter().enumerate() {
         if by > 1 {
-            // What stops on finer cells, as at the end of the data, has no result to come to.
+            // A run that stops on finer cells, as at the end of the data, has no result to compare.
             let finer = |method| figures_of(&spec.text(method, by)).filter(|_| runs(&spec.text(method, by)));
             let (finer_a, finer_b) = (finer(pair[0].0)?, finer(pair[1].0)?);
             if gathers_in_smaller_cells(a, &finer_a) || gathers_in_smaller_cells(b, &finer_b) {
@@ -174,7 +175,7 @@ fn methods_disagree(spec: &Spec, pair: &[(Method, &Figures)]) -> Option<Failure>
     Some(Failure::new("methods disagree", format!("{:?}: {differences:.3?}", pair[1].0)))
 }
 
-/// The first of [`FINER`] whose steps are not longer than the shortest part of a load.
+/// Returns the index of the first of [`FINER`] whose time steps are not longer than the shortest part of a load.
 fn resolved_from(spec: &Spec) -> usize {
     let Ok(scene) = Scene::parse("loads.toml", &spec.text(Method::Leapfrog, 1), Path::new("."), &[]) else { return 0 };
     let barwave::scene::Method::Leapfrog { cells, cfl } = scene.solve.method else { return 0 };
@@ -191,20 +192,20 @@ fn resolved_from(spec: &Spec) -> usize {
     FINER.iter().position(|by| dt <= f64::from(*by as u32) * shortest).unwrap_or(FINER.len())
 }
 
-/// Curves that are followed both ways, where strain gathers: see `what_gathers_at_a_place_comes_back_on_a_grid_alone` and, between two grids,
-/// `what_gathers_in_cells_comes_back_by_their_size`.
+/// Returns true for curves that are followed both ways where strain concentrates: see `what_gathers_at_a_place_comes_back_on_a_grid_alone` and,
+/// between two grids, `what_gathers_in_cells_comes_back_by_their_size`.
 fn are_different_problems(pair: &[(Method, &Figures)]) -> bool {
     let (a, b) = (pair[0].1, pair[1].1);
     a.returns && (a.gathers || b.gathers)
 }
 
-/// The same where the drive goes beyond what the curve can carry away for a short time only: the strain of a cell grows as it becomes smaller.
+/// Returns true if the load exceeds what the curve can transmit for a short time only: the strain of a cell increases as the cell size decreases.
 fn gathers_in_smaller_cells(own: &Figures, finer: &Figures) -> bool {
     own.returns && finer.strain_of_cell > RESOLVED && finer.strain_of_cell > 2.0 * own.strain_of_cell
 }
 
-/// Ends under a stress above all that their curves carry. There strain gathers, by any method. After a flow in the other sense a curve carries less by
-/// what the elastic range has moved, there and back: see `an_end_that_is_turned_round_carries_less`.
+/// Returns true if an end has a stress above the largest one that its curve carries, so that strain concentrates there with any method. After flow in
+/// the other sense, a curve carries less by twice the motion of the elastic range: see `an_end_that_is_turned_round_carries_less`.
 pub fn driven_beyond(spec: &Spec) -> bool {
     let scene = Scene::parse("driven.toml", &spec.text(Method::Leapfrog, 1), Path::new("."), &[]);
     scene.is_ok_and(|scene| {
@@ -225,13 +226,13 @@ pub fn driven_beyond(spec: &Spec) -> bool {
     })
 }
 
-/// The run that a user starts comes to its end.
+/// Returns true if the run, as started by a user, finishes.
 fn runs(text: &str) -> bool {
     let scene = Scene::parse("finer.toml", text, Path::new("."), &[]);
     scene.is_ok_and(|scene| run(&scene, None, &mut |_| ControlFlow::Continue(())).is_ok())
 }
 
-/// A run without checks; none where it stops.
+/// Returns the figures of a run without checks, or `None` if it stops.
 pub fn figures_of(text: &str) -> Option<Figures> {
     let scene = Scene::parse("finer.toml", text, Path::new("."), &[]).ok()?;
     let mut failures = Vec::new();
@@ -239,7 +240,7 @@ pub fn figures_of(text: &str) -> Option<Figures> {
     (figures.ended && failures.is_empty()).then_some(figures)
 }
 
-/// A scene by one method. A panic is a failure like others.
+/// Checks a scene with one method. A panic counts as a failure.
 pub fn check_by(spec: &Spec, method: Method) -> (Became, Vec<Failure>) {
     let mut failures = Vec::new();
     let became = catch_unwind(AssertUnwindSafe(|| by_method(spec, method, &mut failures)));
@@ -295,8 +296,8 @@ fn by_method(spec: &Spec, method: Method, failures: &mut Vec<Failure>) -> Became
     Became::Done(Box::new(figures))
 }
 
-/// What a leapfrog grid gives is an error of first order where cells a quarter as long give less than half of it: coarse cells can hold several
-/// jumps of the motion at the start.
+/// Returns true if the energy added by a leapfrog grid is an error of first order: with a quarter of the cell size, it is less than half. Coarse
+/// cells can contain several jumps of the initial motion.
 fn vanishes_on_finer_cells(spec: &Spec, method: Method, figures: &Figures) -> bool {
     let finer = || {
         let scene = Scene::parse("finer.toml", &spec.text(method, 4), Path::new("."), &[]).ok()?;
@@ -318,7 +319,7 @@ fn summary_is_finite(summary: &Summary, failures: &mut Vec<Failure>) {
     }
 }
 
-/// A run may stop at the end of the data; what a method says of its own failure is a failure.
+/// A run may stop at the end of the data; a stop because of an internal error is a failure.
 fn stopped_for_a_reason(error: &RunError, failures: &mut Vec<Failure>) {
     let reason = &error.reason;
     let class = if reason.contains("not a finite number") {
@@ -333,16 +334,16 @@ fn stopped_for_a_reason(error: &RunError, failures: &mut Vec<Failure>) {
     failures.push(Failure::new(class, error.to_string()));
 }
 
-/// Largest difference between a scene and its mirror, relative: rounding, which flow along level curves amplifies. By front tracking it is
-/// in front tolerances: rounding decides whether two fronts are merged.
+/// Largest relative difference between a scene and its mirror image, due to rounding, which flow along level curves amplifies. With front tracking,
+/// it is in front tolerances: rounding decides whether two fronts are merged.
 const MIRRORED: f64 = 1e-6;
 const MIRRORED_FRONTS: f64 = 3.0;
-/// Up to twice that where a fifth of the tolerance makes less than half of it: in tapered bars many fronts are merged.
+/// Twice that is allowed if a fifth of the tolerance gives less than half: in tapered bars, many fronts are merged.
 const MIRRORED_FALLING: f64 = 6.0;
-/// Changes of the time step, or of the front tolerance, by rounding and by what is far above it, all of them far below all that matters.
+/// Relative changes of the time step, or of the front tolerance, of the order of rounding and well above it, but far below any relevant change.
 const DISTURBANCES: [f64; 4] = [1e-14, 1e-13, 1e-12, 1e-11];
-/// Multiples of each, tried until one makes as much of a difference as the mirror image: where rounding decides, that is one more sample of
-/// what it makes, and the largest of five in a fifth of all such scenes.
+/// Number of multiples of each that are tried until one causes as large a difference as the mirror image. Where rounding decides, each is one more
+/// sample of its effect; the mirror image has the largest of five differences in a fifth of all such scenes.
 const SAMPLES: u32 = 16;
 
 fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut Vec<Failure>) {
@@ -354,7 +355,7 @@ fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut 
             return;
         }
     };
-    // Rounding, too, are all differences of a bar in uniform motion.
+    // All differences of a bar in uniform motion are rounding, too.
     if figures.is_unstressed() || !figures.ended || !mirrored.ended {
         return;
     }
@@ -367,14 +368,14 @@ fn mirror_agrees(spec: &Spec, method: Method, figures: &Figures, failures: &mut 
     if size <= allowed || (size <= MIRRORED_FALLING * spec.front_tolerance && mirror_falls(spec, method, size)) {
         return;
     }
-    // One cell that flows or not makes the same difference in both, but for rounding.
+    // A single cell that flows or not causes the same difference in both, to rounding.
     let amplified = amplified(spec, method, figures, size / 1.001);
     if size > 1.001 * amplified && !is_tie(spec, method) {
         failures.push(Failure::new("mirror differs", format!("{differs:?}, by disturbances {amplified:e}")));
     }
 }
 
-/// With a fifth of the front tolerance a scene and its mirror image differ by less than half of `size`.
+/// Returns true if a scene and its mirror image differ by less than half of `size` with a fifth of the front tolerance.
 fn mirror_falls(spec: &Spec, method: Method, size: f64) -> bool {
     let events = [MAX_EVENTS, 30 * MAX_EVENTS].map(|events| format!("max-events = {events}"));
     let figures =
@@ -384,9 +385,9 @@ fn mirror_falls(spec: &Spec, method: Method, size: f64) -> bool {
     method == Method::Moc && differs.size(figures.gathers) < 0.5 * size
 }
 
-/// What the bar makes of disturbances like rounding: along falling curves, and level ones that are followed both ways, the equations are ill-posed
-/// and amplify any. Where a cell is at its yield stress to the last bit, one of them or another decides whether it flows. The first of them that
-/// is at least `enough`, else the largest.
+/// Returns the effect of disturbances of the order of rounding: along falling curves, and level ones that are followed both ways, the equations are
+/// ill-posed and amplify any. Where a cell is at its yield stress to the last bit, some of them decide whether it flows. Returns the first effect
+/// that is at least `enough`, otherwise the largest one.
 fn amplified(spec: &Spec, method: Method, figures: &Figures, enough: f64) -> f64 {
     let differs = |disturbance: f64| {
         let part = 1.0 - disturbance;
@@ -405,8 +406,8 @@ fn amplified(spec: &Spec, method: Method, figures: &Figures, enough: f64) -> f64
     largest
 }
 
-/// At Courant number 1 a bar comes back to a wall exactly at the end of a step: rounding decides whether it touches in this one or in the
-/// next. With other steps it does not.
+/// Returns true if the difference vanishes with another time step: at Courant number 1, a bar returns to a wall exactly at the end of a step, and
+/// rounding decides whether contact begins in this step or in the next.
 fn is_tie(spec: &Spec, method: Method) -> bool {
     let other = Spec { cfl: 0.97 * spec.cfl, ..spec.clone() };
     let figures = [&other, &other.mirrored()].map(|spec| figures_of(&spec.text(method, 1)));
@@ -414,7 +415,7 @@ fn is_tie(spec: &Spec, method: Method) -> bool {
     method != Method::Moc && figures.mirrored().differs(&mirrored).largest() <= MIRRORED
 }
 
-/// Differences of two runs: means over the bar of stress and velocity, and those of the ends.
+/// Differences of two runs: means over the bar of stress and velocity, and impulse and work of the ends.
 #[derive(Debug, Clone, Copy)]
 pub struct Differences {
     pub stress: f64,
@@ -424,7 +425,7 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// The largest one; without those of the ends where strain `gathers`.
+    /// Returns the largest difference; without those of the ends if strain `gathers` at a point.
     fn size(self, gathers: bool) -> f64 {
         if gathers { self.stress.max(self.velocity) } else { self.largest() }
     }
@@ -435,7 +436,7 @@ impl Differences {
 }
 
 impl Figures {
-    /// The bar moves uniformly: its stresses are rounding.
+    /// Returns true if the bar moves uniformly, so that its stresses are rounding.
     fn is_unstressed(&self) -> bool {
         self.stress.scale < ROUNDING_STRESS
     }
@@ -466,7 +467,7 @@ impl Figures {
 }
 
 impl<T: AsRef<[f64]>> Scaled<T> {
-    /// Mean difference over the larger of the two scales.
+    /// Returns the mean difference relative to the larger of the two scales.
     fn differs(&self, other: &Self) -> f64 {
         let (a, b) = (self.values.as_ref(), other.values.as_ref());
         let mean = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>() / a.len() as f64;

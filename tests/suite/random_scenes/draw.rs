@@ -1,8 +1,8 @@
-//! Draws scenes at random: all of the scene language, in bars of centimetres to metres that yield now and then.
+//! Draws random scenes: the whole scene language, in bars of centimetres to metres that may yield.
 
 use super::spec::{Keys, Spec, Value, round};
 
-/// Random numbers (`SplitMix64`): every bit of a scene follows from its seed.
+/// Random number generator (`SplitMix64`): every bit of a scene follows from its seed.
 pub struct Draw(u64);
 
 impl Draw {
@@ -21,12 +21,12 @@ impl Draw {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Evenly between the two, to three digits.
+    /// Returns a number with a uniform distribution between the two, rounded to three digits.
     fn between(&mut self, low: f64, high: f64) -> f64 {
         round(low + (high - low) * self.unit())
     }
 
-    /// Evenly in the logarithm, to three digits.
+    /// Returns a number with a uniform distribution of the logarithm, rounded to three digits.
     fn decades(&mut self, low: f64, high: f64) -> f64 {
         round(low * (high / low).powf(self.unit()))
     }
@@ -44,15 +44,15 @@ impl Draw {
     }
 }
 
-/// What all parts of a scene have in common.
+/// Properties that all parts of a scene share.
 struct Frame {
     torsion: bool,
     area: bool,
     heat: bool,
     poisson: bool,
-    /// m; of the whole bar.
+    /// Length of the whole bar, m.
     length: f64,
-    /// m^2, a typical one.
+    /// Typical cross-section, m^2.
     size: f64,
 }
 
@@ -73,7 +73,7 @@ pub fn scene(seed: u64) -> Spec {
     let joints = (1..count).map(|_| joint(d, &frame)).collect();
     let ends = [end(d, &frame), end(d, &frame)];
     let bar = if torsion { torsion_keys(d) } else { Keys::new() };
-    // Waves of about 4500 m/s.
+    // For wave speeds of about 4500 m/s.
     let transit = frame.length / 4500.0;
     let mut spec = Spec {
         bar,
@@ -90,8 +90,8 @@ pub fn scene(seed: u64) -> Spec {
     spec
 }
 
-/// One bar in three starts with stresses, strains, velocities or temperatures, constant or over x; numbers of their own, which change
-/// nothing else of a scene.
+/// Adds an initial state to one bar in three: stresses, strains, velocities or temperatures, constant or as tables over x. It uses random numbers of
+/// its own, so that the rest of the scene is unchanged.
 fn start(d: &mut Draw, frame: &Frame, spec: &mut Spec) {
     if !d.one_in(3) {
         return;
@@ -155,7 +155,7 @@ fn initial(d: &mut Draw, frame: &Frame, length: f64) -> Keys {
     keys
 }
 
-/// A constant, or a table with slopes, with jumps, or of parts of the length.
+/// Returns a constant, or a table with slopes or jumps, or one for parts of the length.
 fn along(d: &mut Draw, length: f64, [low, high]: [f64; 2]) -> Value {
     let value = |d: &mut Draw| d.between(low, high);
     let shape = d.pick(&[0, 1, 1, 2, 3]);
@@ -196,7 +196,7 @@ fn segment(d: &mut Draw, frame: &Frame, count: usize) -> Keys {
     let mut keys = vec![("length", Value::number(length))];
     let size = round(frame.size * d.decades(0.3, 3.0));
     if frame.torsion {
-        // One outer radius; tubes differ inside.
+        // One outer radius; tubes have different inner ones.
         let diameter = round(frame.size.sqrt());
         keys.push(("diameter", Value::number(diameter)));
         match d.pick(&[0, 1, 2]) {
@@ -299,13 +299,13 @@ fn rate_of_material(d: &mut Draw) -> String {
     }
 }
 
-/// A table of rows [strain, "stress MPa"] that starts along the modulus.
+/// Returns a table of rows [strain, "stress MPa"] that starts with the modulus as slope.
 fn table(d: &mut Draw, shape: &str, modulus: f64, limit: f64) -> String {
     let mut rows = vec![(limit / modulus, limit)];
     if shape != "elastic" {
         let count = d.pick(&[1, 2, 5, 9]);
         let mut slopes: Vec<f64> = match d.pick(&[0, 0, 1, 1, 2, 3, 4]) {
-            // Falling slopes.
+            // Decreasing slopes.
             0 => (0..count).map(|_| d.decades(1e-3, 0.9)).collect(),
             // Slopes in any order: S-shaped, lock-up.
             1 => (0..count).map(|_| d.between(0.0, 1.0)).collect(),
@@ -313,7 +313,7 @@ fn table(d: &mut Draw, shape: &str, modulus: f64, limit: f64) -> String {
             2 => vec![0.0],
             // Softening.
             3 => (0..count).map(|_| d.between(-0.05, 0.1)).collect(),
-            // A level part within.
+            // With a level part inside.
             _ => vec![0.2, 0.0, 0.1],
         };
         if d.one_in(2) {
@@ -372,7 +372,7 @@ fn end(d: &mut Draw, frame: &Frame) -> Keys {
         ["velocity", "velocity", "stress", "torque", "free", "fixed", "absorbing", "dashpot", "striker", "spring"];
     let kind = if frame.torsion { d.pick(&twisted) } else { d.pick(&axial) };
     let mut keys = vec![("kind", Value::word(kind))];
-    // In torsion R^2 makes masses moments of inertia, and so on.
+    // In torsion, R^2 converts masses to moments of inertia, and so on.
     let (arm, fastest) = if frame.torsion { (0.25 * frame.size, 30.0 / frame.size.sqrt()) } else { (1.0, 40.0) };
     let impedance = frame.size * 3e7;
     match kind {
@@ -414,7 +414,7 @@ fn ball(d: &mut Draw, keys: &mut Keys) {
     }
 }
 
-/// What drives an end: constant, a ramp, a pulse, or rows with jumps.
+/// Returns the history of an end: constant, a ramp, a pulse, or rows with jumps.
 fn history(d: &mut Draw, frame: &Frame, largest: f64, signed: bool) -> (&'static str, Value) {
     let transit = frame.length / 4500.0;
     let value = |d: &mut Draw| d.signed(0.01 * largest, largest);
@@ -502,7 +502,7 @@ fn rate(d: &mut Draw) -> String {
 }
 
 fn damping(d: &mut Draw, frame: &Frame) -> String {
-    // Against a bar of this length and 40 MPa s/m of impedance.
+    // Relative to a bar of this length and an impedance of 40 MPa s/m.
     let drag = frame.size * 3e7 / frame.length;
     let parts = [
         format!("internal = {}", round(200e9 * frame.length / 4500.0 * d.decades(1e-4, 0.1))),

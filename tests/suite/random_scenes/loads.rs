@@ -1,4 +1,4 @@
-//! The loads of ends and joints, as users read them: methods agree on largest forces, impulses and times of contact.
+//! Loads of ends and joints as in the summary: methods agree on largest forces, impulses and contact times.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -10,43 +10,45 @@ use barwave::scene::Scene;
 use super::checks::{Failure, RESOLVED, driven_beyond, figures_of};
 use super::spec::{MAX_EVENTS, Method, Spec, Value};
 
-/// Cells of grids, about; front tolerance and events of front tracking.
+/// Approximate number of cells of grids, and front tolerance and event limit of front tracking.
 const CELLS: usize = 800;
 const FRONT_TOLERANCE: f64 = 1e-3;
 const EVENTS: u64 = 200_000;
-/// Times as many cells, with which a difference has to fall to this part, or to be small.
+/// Factor of refinement, with which a difference must decrease to this fraction, or be small.
 const FINER: usize = 4;
 const FALLS: f64 = 0.72;
-/// Part of the larger of two loads by which they may differ, or of this part of the largest of their kind in the bar.
+/// Allowed difference of two loads relative to the larger one, or to this fraction of the largest load of the same kind in the bar.
 const AGREE: f64 = 0.15;
 const SMALL: f64 = 0.2;
-/// The same at ends of bars of several segments: see `a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end`.
+/// Allowed difference at ends of bars of several segments: see `a_pulse_of_a_joint_that_yields_adds_to_the_peak_at_an_elastic_end`.
 const PULSE: f64 = 0.6;
 
-/// Peaks are of stresses where there is no area, and in torsion.
+/// Peaks are those of stress without an area, and in torsion.
 const KINDS: [&[&str]; 3] = [&["peak_force", "peak_stress"], &["impulse", "impulse_per_area"], &["contact_duration"]];
 
-/// Part of the run after which peaks are not compared.
+/// Fraction of the run after which peaks are not compared.
 const ENDS: f64 = 0.95;
-/// Part of the largest force below which that of a light striker stays for long: the time under more than that agrees, though the one of contact does
-/// not, since grids touch there in some steps only.
+/// Fraction of the largest force below which that of a light striker remains for long. The time with a larger force agrees, although the contact time
+/// does not, since grids are in contact in some steps only.
 const PRESSES: f64 = 1e-3;
-/// A cell of the finer grid, as a part of a segment where this is one of two.
+/// Cell size of the finer grid, relative to a segment if there are two.
 const THIN: f64 = 2.0 / (CELLS * FINER) as f64;
-/// Loads that are none: N or Pa, N s, and parts of the time of the run. Of an end that nothing has come to rounding is left, which may touch it.
+/// Loads that count as zero: N or Pa, N s, and fractions of the time of the run. An end that no wave has reached has rounding, which may cause
+/// contact.
 const ROUNDING: [f64; 3] = [1e-3, 1e-6, 0.01];
 
-/// Sizes of loads by place and kind: N or Pa, N s, and parts of the time of the run.
+/// Loads by place and kind: N or Pa, N s, and fractions of the time of the run.
 type Loads = Vec<(Vec<String>, usize, f64)>;
 
-/// The run by a method with `by` times as many cells; none where it does not come to its end.
+/// Returns the run of a method with `by` times as many cells, or `None` if it stops.
 fn summary(spec: &Spec, method: Method, by: usize) -> Option<(Scene, Summary)> {
     let scene = scene(spec, method, by)?;
     let summary = run(&scene, None, &mut |_| ControlFlow::Continue(())).ok()?;
     Some((scene, summary))
 }
 
-/// The loads of the run with finer cells; and the same with times under [`PRESSES`] of the largest force for those of contact at ends.
+/// Returns the loads of the run with finer cells; and the same with the times above [`PRESSES`] of the largest force instead of contact times at
+/// ends.
 fn finer(spec: &Spec, method: Method) -> Option<[Loads; 2]> {
     let scene = scene(spec, method, FINER)?;
     let solution = solve(&scene, &mut |_| ControlFlow::Continue(())).ok()?;
@@ -61,7 +63,7 @@ fn finer(spec: &Spec, method: Method) -> Option<[Loads; 2]> {
     Some([all, pressed])
 }
 
-/// Time under more than [`PRESSES`] of the largest force, s.
+/// Returns the time with more than [`PRESSES`] of the largest force, s.
 fn time_pressed(Trace { time, stress, .. }: &Trace) -> f64 {
     let largest = stress.iter().fold(0.0, |largest: f64, stress| largest.max(-stress));
     let steps = time.windows(2).zip(stress.windows(2));
@@ -74,7 +76,7 @@ fn time_pressed(Trace { time, stress, .. }: &Trace) -> f64 {
 fn scene(spec: &Spec, method: Method, by: usize) -> Option<Scene> {
     let cells = by * CELLS.div_ceil(spec.cells);
     let tolerance = FRONT_TOLERANCE / by as f64;
-    // At smaller Courant numbers leapfrog rings behind sharp elastic waves, by a quarter of them.
+    // With smaller Courant numbers, leapfrog oscillates behind sharp elastic waves by a quarter of them.
     let spec = Spec { front_tolerance: tolerance, cfl: 1.0, ..spec.clone() };
     let tracks = method == Method::Moc && !spec.has_effect("rate");
     let text = spec.text(method, if tracks { 1 } else { cells });
@@ -87,7 +89,7 @@ fn loads(scene: &Scene, summary: &Summary) -> Loads {
     for group in &summary.figures.0 {
         for (kind, names) in KINDS.iter().enumerate() {
             let figure = |names: &[&str]| group.figures.iter().find(|figure| names.contains(&figure.name));
-            // What is still growing at the end goes with its time, by a step.
+            // A load that still increases at the end depends on the end time, which may differ by a step.
             let grows = figure(&["time_of_peak"]).is_some_and(|time| time.value > ENDS * scene.solve.until);
             let unresolved = kind == 0 && grows;
             if let Some(load) = figure(names).filter(|_| !unresolved) {
@@ -116,7 +118,7 @@ fn worst(a: &Loads, b: &Loads, segments: usize) -> (f64, String) {
     worst
 }
 
-/// Rows of an initial state are closer than [`THIN`], and apart.
+/// Returns true if rows of an initial state are closer than [`THIN`], but distinct.
 fn has_thin_layer(spec: &Spec) -> bool {
     let is_thin = |value: &Value| match value {
         Value::Along(rows, length) | Value::SignedAlong(rows, length) => {
@@ -127,10 +129,10 @@ fn has_thin_layer(spec: &Spec) -> bool {
     spec.segments.iter().flatten().any(|(_, value)| is_thin(value))
 }
 
-/// Loads that two methods do not agree on, and do not come to agree on with finer cells.
+/// Returns the loads on which two methods disagree, and do not converge to each other with finer cells.
 pub fn disagree(spec: &Spec) -> Vec<(Method, Failure)> {
-    // Where and when a bar breaks goes with the resolution; along falling curves see tests/suite/muscl_bounds.rs.
-    // A layer of an initial state that is thinner than cells is averaged there: see `a_thin_layer_of_initial_strain_is_lost_on_a_grid`.
+    // The time and position of a fracture depend on the resolution; for falling curves see tests/suite/muscl_bounds.rs. A layer of an initial state
+    // thinner than a cell is averaged: see `a_thin_layer_of_initial_strain_is_lost_on_a_grid`.
     let unresolved =
         spec.has_effect("rupture") || spec.has_falling_curve() || driven_beyond(spec) || has_thin_layer(spec);
     if unresolved || spec.effects.is_none() {
@@ -141,7 +143,7 @@ pub fn disagree(spec: &Spec) -> Vec<(Method, Failure)> {
         summary.outcome != "done" || summary.above_critical || strain > RESOLVED
     };
     let done: Vec<_> = Method::ALL.into_iter().filter_map(|method| Some((method, summary(spec, method, 1)?))).collect();
-    // What gathers at a place comes back on a grid alone, see `what_gathers_at_a_place_comes_back_on_a_grid_alone`.
+    // Strain concentrated at a point unloads on a grid only, see `what_gathers_at_a_place_comes_back_on_a_grid_alone`.
     let gathers = |method: Method| figures_of(&spec.text(method, 1)).is_some_and(|figures| figures.gathers);
     if done.iter().any(|(method, (_, summary))| is_slow(summary) || gathers(*method)) {
         return Vec::new();

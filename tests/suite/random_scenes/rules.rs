@@ -1,4 +1,4 @@
-//! Rules that explain what random scenes found and what looks like a defect.
+//! Explanations of results of random scenes that look like defects but are not.
 
 use barwave::assemble;
 use barwave::law::{CellLaw, Mixed, Overlay, Searched, Table};
@@ -10,7 +10,7 @@ use super::checks::figures_of;
 use super::found::{STEEL, bar, scene, text};
 use super::watch::{earlier_work, follow};
 
-/// The rule of heat: a fraction of all plastic work, that included which a back stress gives back in reverse flow. It then decreases.
+/// Heat is a fraction of all plastic work, including the part that a back stress returns in reverse flow; it can therefore decrease.
 #[test]
 fn heat_is_a_fraction_of_all_plastic_work() {
     let text = r#"
@@ -61,8 +61,8 @@ cells = 80
     assert!(fall > 1e-3 * most, "no reverse flow under a back stress: heat falls by {fall:e} of {most:e} J");
 }
 
-/// A level curve lets no strain leave an end under a stress above it. The end cell of a grid has inertia and moved ever faster under what is above, the
-/// smaller it was: the work of the end grew with the cells.
+/// Along a level curve, no strain leaves an end with a stress above it. The work of the end must not depend on the cell size: the excess stress would
+/// accelerate the end cell of a grid, the more the smaller it is.
 #[test]
 fn the_work_of_a_stress_above_the_curve_does_not_depend_on_the_cells() {
     let level = "{ density = 7940, modulus = 7e10, curve = { table = [[3.24e-4, 2.268e7], [0.1, 2.268e7]] } }";
@@ -86,8 +86,8 @@ fn the_work_of_a_stress_above_the_curve_does_not_depend_on_the_cells() {
     }
 }
 
-/// The rule that exempts work and impulse of ends that are turned round: a curve may carry the stress on first loading, but a pull up to 423 MPa has moved the elastic range, and a push of 441 MPa then
-/// takes more hardening than the curve has. The bars agree.
+/// Exempts work and impulse of ends whose load is reversed: a curve may carry the stress on first loading, but after a pull of 423 MPa has moved the
+/// elastic range, a push of 441 MPa requires more hardening than the curve has. The states of the bars agree.
 #[test]
 fn an_end_that_is_turned_round_carries_less() {
     let flat = "{ density = 5700, modulus = \"200 GPa\", beyond = \"extend\", curve = { formula = \"johnson-cook\", A = \"191 MPa\", B = \"382 MPa\", n = 0.0682 } }";
@@ -107,9 +107,10 @@ fn an_end_that_is_turned_round_carries_less() {
     assert!(first.largest() < 0.02, "{first:?}");
 }
 
-/// The rule that measures what the steps of a ball leave by its own motion: in the first microseconds of a contact little of what goes between
-/// that and the contact has come into the bar. Waves that change the force on the ball by less than a tenth of a front tolerance are not answered. Of
-/// the energy in the bar then the steps give more than a tenth at a front tolerance of 0.01, and that goes to zero with it.
+/// The error of the steps of a ball is measured by its own motion: in the first microseconds of a contact, little of the energy exchanged between the
+/// ball and the contact has entered the bar. Waves that change the force on the ball by less than a tenth of a front tolerance cause no response.
+/// Relative to the energy in the bar at that time, the steps add more than a tenth with a front tolerance of 0.01; this converges to zero with the
+/// tolerance.
 #[test]
 fn what_the_steps_of_a_ball_leave_goes_to_zero_with_the_tolerance() {
     let elastic = "{ density = 2690, modulus = \"120 GPa\", beyond = \"extend\", curve = { table = [[1.88e-3, 2.255999999998e8]] } }";
@@ -125,8 +126,8 @@ fn what_the_steps_of_a_ball_leave_goes_to_zero_with_the_tolerance() {
     assert!(fine < 0.5 * coarse && finest < 0.5 * fine, "{coarse}, {fine}, {finest} of all energy");
 }
 
-/// A stress above all that the curve carries falls back. The momentum of what is above went into the end cell of a grid, which then pushed on, however
-/// small it was: the stresses of the bar differed from front tracking's by more than 10 %.
+/// A stress above the largest one of the curve decreases. The excess momentum must not remain in the end cell of a grid, which would then push on,
+/// however small it is: the stresses of the bar would differ by more than 10 % from those of front tracking.
 #[test]
 fn a_stress_above_the_curve_leaves_nothing_in_the_end_cell() {
     let level = "{ density = 6590, modulus = 3e9, beyond = \"rupture\", curve = { table = [[4.74e-4, 1.422e6], [8.58e-3, 1.422e6]] } }";
@@ -146,8 +147,8 @@ fn a_stress_above_the_curve_leaves_nothing_in_the_end_cell() {
     }
 }
 
-/// Along a curve that is followed both ways unloading is a shock. Leapfrog takes what is lost there by artificial viscosity; without it its
-/// difference to the two others was 9 to 20 %, on any number of cells.
+/// Along a curve that is followed both ways, unloading is a shock. Leapfrog dissipates its energy by artificial viscosity; without it, the difference
+/// from the other methods is 9 to 20 %, with any number of cells.
 #[test]
 fn leapfrog_loses_what_unloading_shocks_take() {
     let bilinear = "{ density = 4590, modulus = 7e10, beyond = \"extend\", curve = { table = [[1.15e-3, 8.05e7], [2.4265e-3, 8.8577692e7]] } }";
@@ -168,8 +169,8 @@ fn leapfrog_loses_what_unloading_shocks_take() {
     }
 }
 
-/// The same between two grids: above the critical velocity the strain of the end cell goes with its size, and so does what it gives back along a
-/// curve that is followed both ways. Finer cells do not bring the grids together, and by each the strain of the end grows.
+/// Compares two grids: above the critical velocity, the strain of the end cell depends on its size, and so does the energy that it returns along a
+/// curve that is followed both ways. Finer cells do not make the grids agree, and the strain of the end increases with both.
 #[test]
 fn what_gathers_in_cells_comes_back_by_their_size() {
     let level = "{ density = 6530, modulus = 2e11, curve = { table = [[1.01e-3, 2.02e8], [0.5, 2.02e8]] } }";
@@ -186,7 +187,7 @@ fn what_gathers_in_cells_comes_back_by_their_size() {
     }
 }
 
-/// The same for a push that is beyond what the curve can carry away for 3 us only: it is known by the strain, which goes with the cells.
+/// The same for a load that exceeds the capacity of the curve for 3 us only: it is recognized by the strain, which depends on the cell size.
 #[test]
 fn a_short_push_beyond_the_level_part_strains_the_end_cell_by_its_size() {
     let level = "{ density = 2250, modulus = 2e11, beyond = \"extend\", curve = { table = [[4.18e-3, 8.36e8], [0.5, 8.36e8]] } }";
@@ -207,7 +208,7 @@ fn a_short_push_beyond_the_level_part_strains_the_end_cell_by_its_size() {
     }
 }
 
-/// The same at a joint, whose cell lies between the places that are compared: what they differ by is the strain that comes back out of it.
+/// The same at a joint, whose cell is between the sampled positions: the difference is due to the strain that it returns.
 #[test]
 fn a_push_through_a_joint_beyond_the_level_part_strains_its_cell_by_its_size() {
     let segment = |material: &str, velocity: f64| {
@@ -229,9 +230,9 @@ fn a_push_through_a_joint_beyond_the_level_part_strains_its_cell_by_its_size() {
     }
 }
 
-/// The rule that leaves front tracking out where strain gathers along a curve that is followed both ways: the cells of a grid next to the
-/// joint are strained along the level line, and give that energy back (that of leapfrog only a part of it, which keeps the rest by artificial
-/// viscosity); front tracking knows no such cell and takes the energy away.
+/// Excludes front tracking where strain concentrates along a curve that is followed both ways: the cells of a grid beside the joint are strained
+/// along the level line, and return this energy (leapfrog only a part of it, since artificial viscosity dissipates the rest). Front tracking has no
+/// such cell and removes the energy.
 #[test]
 fn what_gathers_at_a_place_comes_back_on_a_grid_alone() {
     let level =
@@ -256,7 +257,7 @@ fn what_gathers_at_a_place_comes_back_on_a_grid_alone() {
     }
 }
 
-/// E times the plastic work per volume, Pa^2, of a cell that is strained to 2 % and then back to -5 %.
+/// Returns E times the plastic work per volume, Pa^2, of a cell that is strained to 2 % and then back to -5 %.
 fn work_of_reversal<const N: usize>(law: &impl CellLaw<N>, modulus: f64) -> f64 {
     let (mut sigma, mut state, mut work) = (0.0, [0.0; N], 0.0);
     let step = 1e-5 * modulus;
@@ -268,9 +269,9 @@ fn work_of_reversal<const N: usize>(law: &impl CellLaw<N>, modulus: f64) -> f64 
     work
 }
 
-/// Open, and why plastic work may be negative where more than half of the hardening moves the elastic range along a curve of several lines:
-/// the back stress grows by the tangent at the accumulated plastic strain. What it stored along a steep line it gives back along the next
-/// one, which is less steep, over a much longer strain. Elements in parallel give back what they stored.
+/// Known limitation, which explains negative plastic work where more than half of the hardening is kinematic along a curve of several lines: the back
+/// stress grows with the tangent at the accumulated plastic strain. Energy stored along a steep line is returned along the next, less steep one, over
+/// a much longer strain. Parallel elements return what they stored.
 #[test]
 fn mixed_hardening_along_several_lines_gives_back_more_than_it_stored() {
     let modulus = 70e9;
@@ -285,8 +286,8 @@ fn mixed_hardening_along_several_lines_gives_back_more_than_it_stored() {
     assert!(mixed(0.97) < 0.0, "{:e} Pa^2: the rule is out of date", mixed(0.97));
 }
 
-/// Why plastic work may be negative in a bar that starts with plastic strains: in that of scene 18131489430663823427 parts of the bar with and
-/// without them relax, and its elements in parallel give back some of what earlier flow has stored in them; far less than its work.
+/// Explains negative plastic work in a bar with initial plastic strains: in the bar of scene 18131489430663823427, parts with and without them relax,
+/// and the parallel elements return some of the energy that earlier flow has stored in them, far less than its work.
 #[test]
 fn kinematic_hardening_gives_back_earlier_plastic_work() {
     let material =
@@ -307,7 +308,7 @@ fn kinematic_hardening_gives_back_earlier_plastic_work() {
     assert!(-least < 1e-3 * earlier_work(&scene), "{least:e} of {:e} J", earlier_work(&scene));
 }
 
-/// The rule that allows a grid to give the energy of motion of one of its cells. What it gives goes with the energy of a cell, or faster.
+/// Explains why a grid may add the kinetic energy of one of its cells: the added energy decreases at least as that of a cell.
 #[test]
 fn what_the_grid_gives_goes_to_zero_with_the_cells() {
     let segment = |length: f64, area: &str, material: &str| {
@@ -325,7 +326,7 @@ fn what_the_grid_gives_goes_to_zero_with_the_cells() {
         let scene = scene(&text.replace("[right]\nkind = \"free\"", "[right]\nkind = \"stress\"\nvalue = 305e6"));
         follow(&scene, scene.solve.until, &mut Vec::new()).given
     };
-    // With 100 to 500 cells it is 0.4 to 0.8 % and does not fall yet.
+    // With 100 to 500 cells it is 0.4 to 0.8 % and does not decrease yet.
     let [coarse, fine, finest] = [960, 1920, 3840].map(given);
     assert!(coarse > 0.001, "{coarse} of all energy: the rule is out of date");
     assert!(fine < 0.7 * coarse && finest < 0.7 * fine, "{coarse}, {fine}, {finest} of all energy");

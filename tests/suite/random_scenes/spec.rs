@@ -1,4 +1,4 @@
-//! A scene as its file will say it: keys with values that know how they are mirrored.
+//! A scene before it is written to a file: keys, with values that can be mirrored.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -6,18 +6,18 @@ use std::path::Path;
 use barwave::material::{Material, Sense};
 use barwave::scene::Scene;
 
-/// The value of a key.
+/// Value of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// TOML as it stands; the same in the mirror.
+    /// TOML text that is the same in the mirror image.
     Same(String),
-    /// A number with its unit that changes sign in the mirror.
+    /// Number with its unit that changes sign in the mirror image.
     Signed(f64, &'static str),
-    /// Rows [time, value] whose values change sign in the mirror.
+    /// Rows [time, value] whose values change sign in the mirror image.
     SignedRows(Vec<(f64, f64)>),
     /// Rows [x, value] along a piece of the given length.
     Along(Vec<(f64, f64)>, f64),
-    /// The same, of values that change sign in the mirror.
+    /// Rows [x, value] whose values change sign in the mirror image.
     SignedAlong(Vec<(f64, f64)>, f64),
 }
 
@@ -36,7 +36,7 @@ impl Value {
         Self::Same(format!("\"{word}\""))
     }
 
-    /// A table over x.
+    /// Returns true for a table over x.
     pub fn is_along(&self) -> bool {
         matches!(self, Self::Along(..) | Self::SignedAlong(..))
     }
@@ -65,25 +65,25 @@ impl Value {
     }
 }
 
-/// A scene without its method, from which those of all methods are written.
+/// Scene without a method, from which the scenes of all methods are written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spec {
-    /// Keys of [bar] beside the segments.
+    /// Keys of [bar] except the segments.
     pub bar: Keys,
     pub segments: Vec<Keys>,
-    /// Keys of the joint behind each segment but the last.
+    /// Keys of the joint behind each segment except the last.
     pub joints: Vec<Keys>,
     pub ends: [Keys; 2],
-    /// None: `effects = "auto"`.
+    /// Effects; `None` for `effects = "auto"`.
     pub effects: Option<Keys>,
-    /// s.
+    /// End time, s.
     pub until: f64,
     pub cells: usize,
     pub cfl: f64,
     pub front_tolerance: f64,
 }
 
-/// A method of the scene language.
+/// Method of the scene language.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Method {
     Leapfrog,
@@ -91,7 +91,7 @@ pub enum Method {
     Moc,
 }
 
-/// Front tracking may take this many events, so that a run takes some 10 ms.
+/// Event limit of front tracking, so that a run takes about 10 ms.
 pub const MAX_EVENTS: u64 = 3_000;
 
 impl Method {
@@ -102,7 +102,7 @@ fn reversed(rows: &[(f64, f64)], length: f64, sign: f64) -> Vec<(f64, f64)> {
     rows.iter().rev().map(|&(x, value)| (length - x, sign * value)).collect()
 }
 
-/// Keys of what a bar starts with.
+/// Keys of the initial state of a bar.
 const INITIAL: [&str; 6] =
     ["velocity", "stress", "strain", "plastic-strain", "accumulated-plastic-strain", "temperature"];
 
@@ -123,7 +123,7 @@ impl Spec {
         self.effects.iter().flatten().any(|(key, _)| *key == name)
     }
 
-    /// A material has a curve that falls somewhere.
+    /// Returns true if the curve of any material falls somewhere.
     pub fn has_falling_curve(&self) -> bool {
         let scene = Scene::parse("falls.toml", &self.text(Method::Leapfrog, 1), Path::new("."), &[]);
         let falls = |material: &Material| {
@@ -133,7 +133,7 @@ impl Spec {
         scene.is_ok_and(|scene| scene.bar.segments.iter().any(|segment| falls(&segment.material)))
     }
 
-    /// The scene file for a method, with `by` times the cells.
+    /// Returns the scene file for a method, with `by` times the cells.
     pub fn text(&self, method: Method, by: usize) -> String {
         let mut text = String::new();
         if self.effects.is_none() {
@@ -178,7 +178,7 @@ impl Spec {
         *text += "[record]\nframes = 2\n";
     }
 
-    /// Simpler scenes, of which one may fail likewise.
+    /// Returns simpler scenes, of which one may fail in the same way.
     pub fn simpler(&self) -> Vec<Self> {
         let mut simpler = Vec::new();
         let mut offer = |change: &dyn Fn(&mut Self)| {
@@ -229,7 +229,7 @@ impl Spec {
     }
 }
 
-/// To three digits, as a person writes.
+/// Rounds to three digits, as a person would write.
 pub fn round(value: f64) -> f64 {
     if value == 0.0 {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Follows the bar of a scene to its end and looks at what must hold at any moment.
+//! Steps the bar of a scene to its end and checks properties that hold at any time.
 
 use barwave::assemble;
 use barwave::bar::{EndCondition, Segment};
@@ -11,22 +11,22 @@ use barwave::solver::moc::{FrontTracking, Settings};
 
 use super::checks::Failure;
 
-/// Looks at a bar over a run.
+/// Number of checks during a run.
 const LOOKS: u32 = 24;
-/// Parts of the bar whose mean stresses are compared, and places in each.
+/// Number of parts of the bar whose mean stresses are compared, and of positions in each.
 const PARTS: usize = 10;
 const PLACES: usize = 20;
-/// Of the distance of places.
+/// Shift of the positions, relative to their distance.
 const OFF_EVEN: f64 = 0.031_415_9;
-/// Rounding of sums over some thousand terms, relative; what is missing anywhere shows as 1e-5 and more.
+/// Relative rounding of sums over some thousand terms; a missing term causes 1e-5 and more.
 const ROUNDING: f64 = 1e-9;
-/// That of the energy of a body at an end, from which its work is the difference: over some thousand steps.
+/// Rounding of the energy of a body at an end over some thousand steps, of which its work is the difference.
 const BODY_ROUNDING: f64 = 1e-13;
 
-/// The error of merged fronts is of the order of the front tolerance. Seen in some 10^3 scenes: 3.4.
+/// Allowed error of merged fronts in front tolerances; the largest in about 10^3 scenes is 3.4.
 const FRONT_TOLERANCES: f64 = 6.0;
 
-/// Slack of what merged fronts hold: a few front tolerances of the largest stress, and a few squares of it of all energy.
+/// Returns the allowance for merged fronts: some front tolerances of the largest stress; its square is that for the energy.
 fn front_tolerance(scene: &Scene) -> f64 {
     match scene.solve.method {
         Method::FrontTracking { front_tolerance, .. } => FRONT_TOLERANCES * front_tolerance,
@@ -34,49 +34,49 @@ fn front_tolerance(scene: &Scene) -> f64 {
     }
 }
 
-/// Part of all energy of the run that the conservative scheme may give: above it a run stops.
+/// Fraction of the total energy of the run that the conservative scheme may add; a run stops above it.
 const MOST_GIVEN: f64 = 0.2;
-/// A grid has an error of the order of what is in a cell at the front: the grid filter takes energy for certain only in smooth fronts, and an
-/// end that accelerates its cell does the work of the velocity before. It may give the energy of motion of this many cells, of those which
-/// have most: see `what_the_grid_gives_goes_to_zero_with_the_cells`.
+/// Number of cells whose kinetic energy a grid may add, those with the most. Its error is of the order of the energy of a cell at the front:
+/// dissipation by the grid filter is guaranteed in smooth fronts only, and an end that accelerates its cell does the work of the velocity before. See
+/// `what_the_grid_gives_goes_to_zero_with_the_cells`.
 const CELLS_GIVEN: f64 = 1.0;
 
-/// The class of failures of a method that gives energy of its own to the bar.
+/// Class of failures of a method that adds energy to the bar.
 pub const GIVES: &str = "gives energy";
 
-/// A run in figures that can be compared with those of another one.
+/// Figures of a run that can be compared with those of another one.
 pub struct Figures {
-    /// Means over the parts of the bar, from the left.
+    /// Mean stresses of the parts of the bar, from left to right.
     pub stress: Scaled<Vec<f64>>,
     pub velocity: Scaled<Vec<f64>>,
-    /// Of the left and the right end.
+    /// Impulses of the left and the right end.
     pub impulse: Scaled<[f64; 2]>,
     pub work: Scaled<[f64; 2]>,
-    /// Largest strain, either sign.
+    /// Largest magnitude of the strain at the sampled positions.
     pub strain: f64,
-    /// The same in any cell of a grid, however small.
+    /// Largest magnitude of the strain in any cell of a grid.
     pub strain_of_cell: f64,
-    /// The run came to its end.
+    /// True if the run has finished.
     pub ended: bool,
-    /// Part of all energy that the method has taken: by a conservative scheme, what is lost in shocks.
+    /// Fraction of the total energy that the method has dissipated; with a conservative scheme, in shocks.
     pub taken: f64,
-    /// Largest part of it that the method has given.
+    /// Largest fraction of the total energy that the method has added.
     pub given: f64,
-    /// The curve is followed both ways.
+    /// True if the curve is followed both ways (no effect `hardening`).
     pub returns: bool,
-    /// Strain gathers at a place, where the bar is driven beyond what its curve can carry away.
+    /// True if strain concentrates at a point, where the load exceeds what the curve can transmit.
     pub gathers: bool,
 }
 
-/// Values, and the largest size that they had in the run: their own, the momentum that has gone through the bar, or its energy.
+/// Values and their scale: the largest magnitude during the run, the momentum that has passed through the bar, or its energy.
 #[derive(Debug, Clone)]
 pub struct Scaled<T> {
     pub values: T,
     pub scale: f64,
 }
 
-/// Places that are read, m: even but for a small shift towards the middle of each part. None is at a joint, where the mirrored bar would
-/// read the other side.
+/// Returns the sampled positions, m: equidistant, except for a small shift towards the middle of each part. None is at a joint, where the mirrored
+/// bar would be sampled on the other side.
 fn places(length: f64) -> Vec<f64> {
     let shift = |j: usize| if j < PLACES / 2 { OFF_EVEN } else { -OFF_EVEN };
     let within = |j: usize| (j as f64 + 0.5 + shift(j)) / PLACES as f64;
@@ -84,7 +84,7 @@ fn places(length: f64) -> Vec<f64> {
     all.map(|part| part * length / PARTS as f64).collect()
 }
 
-/// The bar of a scene, stepped by its method up to a time, s.
+/// Steps the bar of a scene with its method up to a time, s, and returns its figures.
 pub fn follow(scene: &Scene, until: f64, failures: &mut Vec<Failure>) -> Figures {
     match scene.solve.method {
         Method::Leapfrog { cells, cfl } => follow_grid(scene, assemble::leapfrog(scene, cells, cfl), until, failures),
@@ -105,7 +105,7 @@ fn follow_grid<S: Stepped>(scene: &Scene, mut bar: S, until: f64, failures: &mut
     let dt = bar.grid().dt;
     let steps = ((until / dt - 1e-9).ceil() as usize).max(1);
     let places = Sampling::at(bar.grid(), places(scene.bar.length()));
-    // A bar that starts in motion may have lost most of it by the first look.
+    // A bar in initial motion may have lost most of its kinetic energy by the first check.
     watch.cell = CELLS_GIVEN * largest_cell(scene, &bar);
     for look in 1..=LOOKS as usize {
         let target = steps * look / LOOKS as usize;
@@ -132,7 +132,7 @@ fn follow_grid<S: Stepped>(scene: &Scene, mut bar: S, until: f64, failures: &mut
     watch.figures(&bar, &places, true)
 }
 
-/// Energy of motion of the cell that has most, J.
+/// Returns the kinetic energy of the cell that has most, J.
 fn largest_cell<S: Stepped>(scene: &Scene, bar: &S) -> f64 {
     let segments = scene.bar.segments.iter().zip(&bar.grid().segments);
     let motion = segments.flat_map(|(segment, grid)| {
@@ -161,7 +161,7 @@ fn follow_fronts(scene: &Scene, mut bar: FrontTracking, until: f64, failures: &m
         watch.look(&bar, &places[..], failures);
         let Some(limits) = &limits else { continue };
         for piece in bar.pieces() {
-            // Where the curve is followed both ways nothing is accumulated.
+            // Along a curve that is followed both ways, no plastic strain is accumulated.
             let accumulated =
                 piece.point.accumulated.max(piece.point.plastic.abs()) / bar.medium(piece.segment).modulus;
             limits.check(piece.segment, piece.point.stress, accumulated, bar.time(), failures);
@@ -172,33 +172,33 @@ fn follow_fronts(scene: &Scene, mut bar: FrontTracking, until: f64, failures: &m
     Figures { gathers: figures.gathers || short, ..figures }
 }
 
-/// The account of a run.
+/// Balances of a run.
 struct Watch {
     ledger: Ledger,
     last: Energies,
-    /// Plastic work cannot come back.
+    /// True if plastic work cannot decrease.
     plastic_stays: bool,
-    /// Heat is a fraction of it: see `heat_is_a_fraction_of_all_plastic_work`.
+    /// True if heat can decrease with plastic work: see `heat_is_a_fraction_of_all_plastic_work`.
     cools: bool,
-    /// Entries that can be of either sign, relative to all energy: how far below zero the one of the method may be, and what a curve
-    /// that is followed both ways holds beyond its elastic energy.
+    /// Allowances for terms of either sign, relative to the total energy: for energy added by the method, and for energy beyond the elastic one that
+    /// is returned along a curve that is followed both ways.
     numerical: f64,
     plastic: f64,
     returns: bool,
-    /// Plastic work done before the start, J: an elastic range that was moved by it gives some of it back.
+    /// Plastic work done before the start, J: an elastic range that it has moved can return some of it.
     earlier: f64,
-    /// What a grid may give because of the size of its cells, J.
+    /// Energy that a grid may add because of the size of its cells, J.
     cell: f64,
-    /// What a ball at an end of a tracked bar may give or take by waves that it does not answer, W.
+    /// Power of a ball at an end of a tracked bar due to waves to which it does not respond, W.
     unanswered: f64,
-    /// Most that the method has given, J.
+    /// Largest energy that the method has added, J.
     given: f64,
     slack: f64,
-    /// J.
+    /// Absolute allowance for the energy, J.
     least: f64,
     energy: f64,
     momentum: f64,
-    /// Of stress, velocity and strain.
+    /// Largest stress, velocity and strain.
     largest: [f64; 3],
     strain_of_cell: f64,
 }
@@ -213,7 +213,7 @@ impl Watch {
             plastic_stays: isotropic,
             cools: !isotropic && scene.effects.heat.is_some(),
             numerical: match scene.solve.method {
-                // Over the whole run, see `MOST_GIVEN`.
+                // Checked for the whole run, see `MOST_GIVEN`.
                 Method::Muscl { .. } => f64::INFINITY,
                 Method::FrontTracking { .. } => front_tolerance(scene),
                 Method::Leapfrog { .. } | Method::CharacteristicNet { .. } => 0.0,
@@ -227,8 +227,8 @@ impl Watch {
             least: [&scene.left, &scene.right].into_iter().map(body_energy).sum::<f64>() * BODY_ROUNDING,
             slack: ROUNDING + front_tolerance(scene).powi(2),
             energy: bar.start().energy,
-            // As in the ledger: a bar that starts in motion has momentum which no end has given. Without it the impulse of an end that a bar grazes
-            // (7e-5 to 1e-3 of 0.13 N s, in scene 16027058208322088354) differs by all there is.
+            // As in the ledger: a bar in initial motion has momentum that no end has supplied. Without it, the impulse of an end that the bar only
+            // touches (7e-5 to 1e-3 of 0.13 N s, in scene 16027058208322088354) would differ by 100 %.
             momentum: (2.0 * bar.start().energy * bar.start().mass).sqrt(),
             largest: [0.0; 3],
             strain_of_cell: 0.0,
@@ -258,7 +258,7 @@ impl Watch {
                 "half_step" => f64::INFINITY,
                 "numerical" => (self.numerical * self.energy).max(self.cell) + unanswered + slack,
                 "plastic" | "heat" => self.plastic * self.energy + self.earlier + slack,
-                // What gathers at a place is plastic work too.
+                // Energy concentrated at a point is plastic work, too.
                 "concentrated" => self.plastic * self.energy + slack,
                 _ => slack,
             };
@@ -293,9 +293,9 @@ impl Watch {
 
     fn figures<V: View>(&self, bar: &V, places: &V::Places, ended: bool) -> Figures {
         let account = bar.account();
-        // A bar of this energy that is in balance moves by rounding alone.
+        // A bar of this energy in equilibrium moves by rounding only.
         let speed = self.largest[1].max(ROUNDING * (2.0 * self.energy / bar.start().mass).sqrt());
-        // Of the momentum of a bar of this energy.
+        // Relative to the momentum of a bar of this energy.
         let rounding = ROUNDING * self.energy / speed.max(f64::MIN_POSITIVE);
         let means = |field, scale| {
             let values = sample(bar, field, places);
@@ -318,14 +318,14 @@ impl Watch {
     }
 }
 
-/// Plastic work, J, that has brought a bar to the plastic strains with which it starts, in one sense; or more.
+/// Returns an upper bound of the plastic work, J, that is needed in one sense for the initial plastic strains.
 pub fn earlier_work(scene: &Scene) -> f64 {
     let of = |segment: &Segment| {
         let table = segment.profile.as_ref().map(|profile| profile.plastic_strain.largest());
         let plastic = table.unwrap_or(segment.initial.plastic_strain.abs());
         let work = [Sense::Tension, Sense::Compression].map(|sense| {
             let curve = segment.material.branch(sense);
-            // The strain at which the elastic part of it leaves this plastic strain.
+            // The strain whose plastic part is this plastic strain.
             let strain =
                 (0..200).fold(plastic, |strain, _| plastic + curve.stress_at(strain) / segment.material.modulus);
             plastic * curve.stress_at(strain)
@@ -335,15 +335,15 @@ pub fn earlier_work(scene: &Scene) -> f64 {
     scene.bar.segments.iter().map(of).sum()
 }
 
-/// Where a back stress that grows by the tangent at the accumulated plastic strain may give back more than it stored: see
-/// `mixed_hardening_along_several_lines_gives_back_more_than_it_stored`. It does plastic work of the other sign only where it is larger than
-/// half the elastic range, for which more than half of the hardening has to be kinematic.
+/// Returns true if a back stress that grows with the tangent at the accumulated plastic strain may return more than it stored: see
+/// `mixed_hardening_along_several_lines_gives_back_more_than_it_stored`. Its plastic work is negative only if it exceeds half the elastic range, for
+/// which more than half of the hardening must be kinematic.
 fn gives_back(scene: &Scene) -> bool {
     let by_tangent = scene.effects.rate.is_some() || scene.effects.heat.is_some();
     let kinematic = match scene.effects.hardening {
         Some(HardeningRule::Mixed(kinematic)) => kinematic,
         Some(HardeningRule::Kinematic) if by_tangent => 1.0,
-        // Its back stress may be more than half of the elastic range.
+        // Its back stress may exceed half of the elastic range.
         Some(HardeningRule::ArmstrongFrederick { .. }) => return true,
         _ => 0.0,
     };
@@ -351,12 +351,12 @@ fn gives_back(scene: &Scene) -> bool {
     kinematic > 0.5 && scene.bar.segments.iter().any(|segment| several(segment.material.branch(Sense::Tension)))
 }
 
-/// Part of the tolerance of stresses by which a wave may change the force on a ball before the ball answers, see `StepControl::passing`: a tenth of
-/// one front tolerance.
+/// Fraction of the stress allowance by which a wave may change the force on a ball without a response, see `StepControl::passing`: a tenth of one
+/// front tolerance.
 const PASSING: f64 = 0.1 / FRONT_TOLERANCES;
 
-/// What balls at the ends give or take by waves that they do not answer, W: the force times their own velocity, since energy goes between the
-/// motion of a ball and its contact. In the first microseconds that is more than what comes into the bar: see
+/// Returns the power of balls at the ends due to waves to which they do not respond, W: the force times their own velocity, since the kinetic energy
+/// of a ball and the energy of its contact are exchanged. In the first microseconds, this exceeds the power into the bar: see
 /// `what_the_steps_of_a_ball_leave_goes_to_zero_with_the_tolerance`.
 fn unanswered_by_balls(scene: &Scene, stress: f64) -> f64 {
     let last = scene.bar.segments.len() - 1;
@@ -367,7 +367,7 @@ fn unanswered_by_balls(scene: &Scene, stress: f64) -> f64 {
     [(&scene.left, 0), (&scene.right, last)].into_iter().map(power).sum()
 }
 
-/// Of a body that strikes an end, J.
+/// Returns the kinetic energy of a body that strikes an end, J.
 fn body_energy(end: &EndCondition) -> f64 {
     match end {
         EndCondition::Striker { mass, velocity } | EndCondition::Ball { mass, velocity, .. } => {
@@ -387,12 +387,12 @@ fn sample<V: View>(bar: &V, field: Field, places: &V::Places) -> Vec<f64> {
 struct StressLimits {
     modulus: Vec<f64>,
     curves: Vec<[Curve; 2]>,
-    /// Pa.
+    /// Allowance, Pa.
     slack: f64,
 }
 
 impl StressLimits {
-    /// None where the stress is not a matter of one curve: with a rate, a temperature, or damping in the stress.
+    /// Returns the limits, or `None` if the stress does not follow a single curve: with a rate, a temperature, or damping in the stress.
     fn new(scene: &Scene) -> Option<Self> {
         let effects = &scene.effects;
         let moves = !matches!(effects.hardening, None | Some(HardeningRule::Isotropic));
@@ -400,8 +400,7 @@ impl StressLimits {
         if effects.rate.is_some() || (effects.heat.is_some() && moves) || viscous {
             return None;
         }
-        // A heated bar that starts with a plastic strain or a temperature of its own does not follow the adiabatic curve, but stays below the
-        // cold one.
+        // A heated bar with initial plastic strain or temperature does not follow the adiabatic curve, but remains below the cold one.
         let curves = |segment: &Segment| {
             let starts_on_curve = !(segment.has_yielded() || segment.starts_warm());
             let heating = segment.material.heating.as_ref().filter(|_| !starts_on_curve);
@@ -420,7 +419,7 @@ impl StressLimits {
         let modulus = self.modulus[segment];
         let strain = stress.abs() / modulus + accumulated.abs();
         let allowed = self.curves[segment].iter().map(|curve| curve.stress_at(strain)).fold(0.0, f64::max);
-        // A strain below the smallest normal number keeps no digits. NaN fails.
+        // A strain below the smallest normal number loses digits. NaN fails.
         let rounding = ROUNDING * modulus * strain + f64::MIN_POSITIVE * modulus;
         if !(stress.abs() <= allowed + rounding + self.slack) {
             let detail =

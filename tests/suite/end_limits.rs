@@ -157,6 +157,22 @@ fn a_dashpot_only_takes_energy() {
     }
 }
 
+/// Means over a step in which a face arrives at a wall have both a force and a velocity. Their product is energy that the scheme loses, not work of the wall.
+#[test]
+fn a_wall_does_no_work() {
+    for method in METHODS {
+        for velocity in [3.0, 9.0] {
+            let ends = ["kind = \"wall\", gap = 1e-4", "kind = \"wall\", gap = 1.3e-4"];
+            let found = run(method, &bar(velocity), ends, "3 ms");
+            let lost = found.ledger.last().map_or(0.0, |row| row.energies.numerical + row.energies.half_step);
+            println!("{} {velocity} m/s: {lost:.3} J lost", method.0);
+            for row in &found.ledger {
+                assert_eq!([row.work_left, row.work_right], [0.0; 2], "{} {velocity} m/s", method.0);
+            }
+        }
+    }
+}
+
 /// Returns the stress in the left of two bars that meet at 1 m/s between fixed ends, relative to rho c0 v; x in lengths of a bar, t in transits.
 fn between_walls(x: f64, t: f64) -> f64 {
     let t = t % 3.0;

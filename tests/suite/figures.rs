@@ -171,6 +171,25 @@ fn a_contact_of_a_few_steps_is_noted() {
     assert!(notes(&small).contains("or 2.6 time steps: its peak force can be in error"), "{}", notes(&small));
 }
 
+/// A striker of 3 g, whose pulse decays within 0.75 cells of 4 g: the absorbed energy is 72 % too small by leapfrog.
+#[test]
+fn a_striker_whose_pulse_is_shorter_than_the_grid_resolves_is_noted() {
+    let notes = |velocity: f64, solve: &str| {
+        let scene = format!(
+            "[bar]\nlength = 1\narea = 1e-4\nmaterial = {{ density = 8000, modulus = 2e11, beyond = \"extend\", curve = {{ table = [[0.001, 2e8], [0.501, 1.02e10]] }} }}\n\
+             [left]\nkind = \"striker\"\nmass = 0.003\nvelocity = {velocity}\n[right]\nkind = \"free\"\n[effects]\nhardening = \"isotropic\"\n\
+             [solve]\nuntil = \"10 us\"\n{solve}\n"
+        );
+        whole_summary("striker", &scene, &[])["notes"].to_string()
+    };
+    let coarse = notes(20.0, "cells = 200");
+    assert!(coarse.contains("decays within 0.8 cells") && coarse.contains("use at least 5334 cells"), "{coarse}");
+    for (velocity, solve) in [(20.0, "cells = 5400"), (20.0, "method = \"moc\""), (4.0, "cells = 200")] {
+        let notes = notes(velocity, solve);
+        assert!(!notes.contains("light striker"), "{velocity} m/s, {solve}: {notes}");
+    }
+}
+
 /// An elastic bar of length L leaves a rigid wall after 2 L/c0 with its velocity reversed. Every method is exact at Courant number 1, except for the
 /// step in which the contact begins.
 #[test]

@@ -233,7 +233,7 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
         false
     }
 
-    /// Returns true if the end stores energy, so that its work is the energy that it loses.
+    /// Returns true if the work of the end is the energy that it loses: it stores energy, or does no work at all, as a wall.
     fn stores(&self) -> bool {
         false
     }

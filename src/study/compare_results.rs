@@ -1,7 +1,8 @@
 //! Comparison of result files: norms of their differences, and the positions of the largest differences.
 //!
 //! The common grid consists of the samples and frames of the first file that lie within the bars and times of both files. The other file is
-//! interpolated to it linearly in x and in time. A front that moves between two frames is therefore smeared over both.
+//! interpolated to it linearly in x and in time. A front that moves between two frames is therefore smeared over both. Means over x weight each
+//! sample with the length of its cell: the cells of segments of different materials are unequal.
 
 use std::path::PathBuf;
 
@@ -27,7 +28,7 @@ impl Norm {
     }
 }
 
-/// Norms of a difference: means over x and t (L1), root mean squares (L2) and largest values.
+/// Norms of a difference: means over the length and over t (L1), root mean squares (L2) and largest values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Norms {
     /// Mean of |b - a|.
@@ -101,15 +102,16 @@ pub struct Difference {
     pub notes: Vec<String>,
 }
 
-/// Samples and frames of a file.
+/// Samples, their cells, and frames of a file.
 struct Grid {
     x: Vec<f64>,
+    cells: Vec<[f64; 2]>,
     time: Vec<f64>,
 }
 
 impl Grid {
     fn of(file: &ResultFile) -> Result<Self> {
-        let grid = Self { x: file.x()?, time: file.time()? };
+        let grid = Self { x: file.x()?, cells: file.bounds()?, time: file.time()? };
         if grid.x.is_empty() || grid.time.is_empty() {
             let message = format!("{} has nothing to compare: it has no frames", file.path().display());
             return Err(InputError::new(message).help("run its scene again").into());
@@ -117,13 +119,9 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Returns the ends of the bar, m. The samples are the centres of equal cells.
+    /// Returns the ends of the bar, m.
     fn bar(&self) -> [f64; 2] {
-        let (first, last) = (self.x[0], self.x[self.x.len() - 1]);
-        let half = 0.5 * (last - first) / (self.x.len().max(2) - 1) as f64;
-        // A start that differs from zero only by the rounding of the cell centres is set to zero.
-        let start = first - half;
-        [if start.abs() < 1e-9 * (last - first) { 0.0 } else { start }, last + half]
+        [self.cells[0][0], self.cells[self.cells.len() - 1][1]]
     }
 
     fn span(&self) -> [f64; 2] {
@@ -160,7 +158,7 @@ fn difference(first: &ResultFile, other: &ResultFile) -> Result<Difference> {
     let (a, b) = (Grid::of(first)?, Grid::of(other)?);
     let (x_m, time_s) = (common(a.bar(), b.bar()), common(a.span(), b.span()));
     let slack = slack(a.span()[1]);
-    let columns: Vec<usize> = (0..a.x.len()).filter(|&i| (x_m[0]..=x_m[1]).contains(&a.x[i])).collect();
+    let columns = Column::all(&a, x_m);
     let rows: Vec<usize> =
         (0..a.time.len()).filter(|&k| (time_s[0] - slack..=time_s[1] + slack).contains(&a.time[k])).collect();
     if columns.is_empty() || rows.is_empty() {
@@ -273,9 +271,28 @@ impl Sums {
     }
 }
 
+/// Sample of the first file that lies within the bars of both files.
+struct Column {
+    index: usize,
+    /// Length of the common part of the bars in the cell of the sample, m.
+    length: f64,
+}
+
+impl Column {
+    /// Returns the samples of `grid` between the ends `bar` (m).
+    fn all(grid: &Grid, bar: [f64; 2]) -> Vec<Self> {
+        let inside = grid.x.iter().enumerate().filter(|(_, x)| (bar[0]..=bar[1]).contains(*x));
+        let column = |(index, _)| {
+            let [start, end] = common(grid.cells[index], bar);
+            Self { index, length: end - start }
+        };
+        inside.map(column).collect()
+    }
+}
+
 type Values<'a> = (&'a Grid, &'a Array2<f64>);
 
-fn of_field(field: Field, a: Values<'_>, b: Values<'_>, rows: &[usize], columns: &[usize]) -> FieldDifference {
+fn of_field(field: Field, a: Values<'_>, b: Values<'_>, rows: &[usize], columns: &[Column]) -> FieldDifference {
     let mut sums = Sums::default();
     let mut found = FieldDifference {
         field,
@@ -284,29 +301,32 @@ fn of_field(field: Field, a: Values<'_>, b: Values<'_>, rows: &[usize], columns:
         largest: Place::default(),
         history: Vec::with_capacity(rows.len()),
     };
-    let across: Vec<Between> = columns.iter().map(|&i| Between::of(&b.0.x, a.0.x[i])).collect();
+    let across: Vec<Between> = columns.iter().map(|c| Between::of(&b.0.x, a.0.x[c.index])).collect();
     let mut most = -1.0;
     for &row in rows {
         let time = a.0.time[row];
         let along = Between::of(&b.0.time, time);
         let weight = step(&a.0.time, row, rows);
-        let mut squares = 0.0;
-        for (&column, across) in columns.iter().zip(&across) {
-            let first = a.1[[row, column]];
+        let (mut squares, mut length) = (0.0, 0.0);
+        for (column, across) in columns.iter().zip(&across) {
+            let first = a.1[[row, column.index]];
             let at = |frame: usize| across.mean(b.1[[frame, across.low]], b.1[[frame, across.low + across.step]]);
             let other = along.mean(at(along.low), at(along.low + along.step));
             let difference = other - first;
             if !difference.is_finite() {
                 continue;
             }
-            sums.add(weight, first, difference);
-            squares += difference * difference;
+            sums.add(weight * column.length, first, difference);
+            squares += column.length * difference * difference;
+            length += column.length;
             if difference.abs() > most {
                 most = difference.abs();
-                found.largest = Place { time_s: time, x_m: a.0.x[column], first, other };
+                found.largest = Place { time_s: time, x_m: a.0.x[column.index], first, other };
             }
         }
-        found.history.push((time, (squares / columns.len() as f64).sqrt()));
+        if length > 0.0 {
+            found.history.push((time, (squares / length).sqrt()));
+        }
     }
     found.norms = sums.norms();
     found
@@ -394,6 +414,7 @@ mod tests {
     fn a_linear_field_on_another_grid_has_no_difference() {
         let grid = |cells: usize, frames: usize| Grid {
             x: (0..cells).map(|i| (i as f64 + 0.5) / cells as f64).collect(),
+            cells: (0..cells).map(|i| [i, i + 1].map(|edge| edge as f64 / cells as f64)).collect(),
             time: (0..frames).map(|k| k as f64 / (frames - 1) as f64).collect(),
         };
         let field = |grid: &Grid, shift: f64| {
@@ -401,7 +422,7 @@ mod tests {
             Array2::from_shape_fn((grid.time.len(), grid.x.len()), value)
         };
         let (a, b) = (grid(10, 5), grid(40, 9));
-        let (rows, columns): (Vec<_>, Vec<_>) = ((0..5).collect(), (0..10).collect());
+        let (rows, columns): (Vec<_>, Vec<_>) = ((0..5).collect(), Column::all(&a, [0.0, 1.0]));
         let of = |shift: f64| of_field(Field::Stress, (&a, &field(&a, 0.0)), (&b, &field(&b, shift)), &rows, &columns);
         assert!(of(0.0).norms.max.value < 1e-12);
         let shifted = of(0.25);

@@ -160,3 +160,41 @@ fn bars_start_at_zero_and_materials_have_no_fields() {
     let message = refused(folder.path(), &["compare", "copper-annealed", "mild-steel", "--field", "strain"]);
     assert!(message.contains("--field") && message.contains("result files"), "{message}");
 }
+
+/// The cells of segments of different materials are unequal: means weight each sample with the length of its cell, and the bar ends at the outer
+/// bounds of its cells.
+#[test]
+fn means_over_unequal_cells_are_means_over_the_length() {
+    // The wave speeds are 316 and 6325 m/s: most of the cells lie in the first tenth of the bar.
+    let material = |name: &str, density: f64, modulus: f64| {
+        format!(
+            "{{ name = \"{name}\", density = {density:?}, modulus = {modulus:?}, beyond = \"extend\", \
+             curve = {{ table = [[0.01, {:?}]] }} }}",
+            0.01 * modulus
+        )
+    };
+    let scene = format!(
+        "[[bar.segment]]\nlength = 0.1\nmaterial = {}\n[[bar.segment]]\nlength = 0.9\nmaterial = {}\n\
+         [left]\nkind = \"stress\"\nvalue = -1e6\n[right]\nkind = \"free\"\n\
+         [solve]\nuntil = \"100 us\"\nmethod = \"fd\"\ncells = 100\n[record]\nframes = 1\n",
+        material("slow", 10000.0, 1e9),
+        material("fast", 2500.0, 100e9),
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    std::fs::write(path.join("scene.toml"), scene).expect("a file");
+    for (name, set) in [("a.h5", "left.value=-1e6"), ("more.h5", "left.value=-1.1e6"), ("fine.h5", "solve.cells=300")] {
+        done(path, &["run", "scene.toml", "-o", name, "--quiet", "--set", set]);
+    }
+    let json: Value =
+        serde_json::from_str(&done(path, &["compare", "a.h5", "more.h5", "fine.h5", "--json"])).expect("JSON");
+    for difference in json.as_array().expect("a list") {
+        assert_eq!(difference["x_m"], serde_json::json!([0.0, 1.0]));
+        assert!(difference["notes"].as_array().expect("notes").is_empty(), "{difference}");
+    }
+    // Of 1 m, the wave of 1 MPa has reached c t = 31.6 mm: its mean is 31.6 kPa.
+    let stress = json[0]["fields"].as_array().expect("fields").iter().find(|f| f["field"] == "stress").expect("stress");
+    let expected = 0.1e6 * 1e5_f64.sqrt() * 100e-6;
+    let mean = stress["l1"]["value"].as_f64().expect("a norm");
+    assert!((mean / expected - 1.0).abs() < 0.02, "{mean} against {expected}");
+}

@@ -176,6 +176,19 @@ impl ResultFile {
         self.of_bar(|file| bounded::column(&file.dataset("x")?))
     }
 
+    /// Returns the left and right bounds of the cells around the samples, m.
+    pub fn bounds(&self) -> Result<Vec<[f64; 2]>> {
+        self.of_bar(|file| {
+            let (dataset, samples) = (file.dataset("x_bounds")?, file.dataset("x")?.size());
+            if dataset.shape() != [samples, 2] {
+                let shape = dataset.shape();
+                return Err(format!("`x_bounds` has the shape {shape:?}, expected [{samples}, 2]").into());
+            }
+            bounded::check(&dataset)?;
+            Ok(dataset.read_raw::<f64>()?.chunks_exact(2).map(|cell| [cell[0], cell[1]]).collect())
+        })
+    }
+
     /// Returns the fields in the file.
     pub fn fields(&self) -> Vec<Field> {
         present(&self.file)

@@ -8,10 +8,11 @@ use std::process::Output;
 use binary::barwave;
 use serde_json::Value;
 
-const COARSE: [&str; 4] = ["study", "tension-impact", "--cells", "40"];
+/// Options of a coarse specimen of a material.
+const COARSE: [&str; 2] = ["--cells", "40"];
 
-fn study(folder: &Path, more: &[&str]) -> Output {
-    barwave(folder, &[&COARSE, more].concat())
+fn study(folder: &Path, more: &[&str], specimen: &[&str]) -> Output {
+    barwave(folder, &[&["study", "tension-impact"], more, specimen].concat())
 }
 
 fn json(output: &Output) -> Value {
@@ -31,6 +32,7 @@ fn elongation_falls_at_the_critical_velocity() {
     let results = json(&study(
         folder.path(),
         &["copper-annealed", "--velocities", "3,60,85,89 m/s,92,110", "-o", "out", "--json"],
+        &COARSE,
     ));
     let points = results["points"].as_array().expect("points");
     let column = |key: &str| points.iter().map(|point| point[key].as_f64()).collect::<Vec<_>>();
@@ -58,13 +60,14 @@ fn the_curve_is_named() {
     let heated = SCENE.replace("rupture", "heat = {}\nrupture").replace("copper-annealed", "titanium-6al-4v-jc");
     std::fs::write(folder.path().join("scene.toml"), heated).expect("a scene");
     let named = |what: &str, curve: &str| {
-        let output = study(folder.path(), &[what, "--velocities", "200 m/s", "-o", curve]);
+        let cells: &[&str] = if what == "scene.toml" { &[] } else { &COARSE };
+        let output = study(folder.path(), &[what, "--velocities", "200 m/s", "-o", curve], cells);
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(text.contains(&format!("m/s, from the {curve} curve")), "{text}");
         assert!(text.contains(&format!("({curve} curve 0.")), "{text}");
         let figure = std::fs::read_to_string(folder.path().join(curve).join("tension-impact.svg")).expect("a figure");
         assert!(figure.contains(&format!("{curve} curve")));
-        let again = study(folder.path(), &[what, "--velocities", "200 m/s", "-o", curve, "--resume", "--json"]);
+        let again = study(folder.path(), &[what, "--velocities", "200 m/s", "-o", curve, "--resume", "--json"], cells);
         let results = json(&again);
         assert_eq!(results["curve"], curve);
         results["critical_velocity_m_s"].as_f64().expect("a number")
@@ -78,12 +81,12 @@ fn a_study_is_resumed() {
     let folder = folder();
     let arguments =
         ["copper-annealed", "--velocities", "40 m/s", "--to", "120 m/s", "--count", "3", "-o", "out", "--json"];
-    let first = json(&study(folder.path(), &arguments));
-    assert_eq!(study(folder.path(), &arguments).status.code(), Some(2));
+    let first = json(&study(folder.path(), &arguments, &COARSE));
+    assert_eq!(study(folder.path(), &arguments, &COARSE).status.code(), Some(2));
     let rows = std::fs::read_to_string(folder.path().join("out/rows.jsonl")).expect("rows");
     let (kept, _) = rows.trim_end().rsplit_once('\n').expect("three rows");
     std::fs::write(folder.path().join("out/rows.jsonl"), format!("{kept}\n")).expect("two rows");
-    assert_eq!(json(&study(folder.path(), &[&arguments[..], &["--resume"]].concat())), first);
+    assert_eq!(json(&study(folder.path(), &[&arguments[..], &["--resume"]].concat(), &COARSE)), first);
     for file in ["tension-impact.csv", "tension-impact.h5", "tension-impact.svg"] {
         assert!(folder.path().join("out").join(file).metadata().is_ok_and(|file| file.len() > 100), "{file}");
     }
@@ -94,7 +97,7 @@ fn a_study_is_resumed() {
 fn a_free_bar_is_pulled_along_below_the_critical_velocity() {
     let folder = folder();
     let arguments = ["copper-annealed", "--far-end", "free", "--velocities", "5 m/s,100 m/s", "-o", "out", "--json"];
-    let results = json(&study(folder.path(), &arguments));
+    let results = json(&study(folder.path(), &arguments, &COARSE));
     let points = &results["points"];
     assert_eq!((&points[0]["status"], &points[0]["elongation"]), (&"done".into(), &Value::Null));
     assert_eq!((&points[1]["status"], &points[1]["at_struck_end"]), (&"rupture".into(), &true.into()));
@@ -112,8 +115,8 @@ fn scenes_are_tested_and_wrong_input_is_explained() {
     std::fs::write(folder.path().join("scene.toml"), SCENE).expect("a scene");
     // A plain number is in SI units.
     let short = ["copper-annealed", "--length", "0.1", "--velocities", "100", "-o", "short", "--json"];
-    assert_eq!(json(&study(folder.path(), &short))["length_m"], 0.1);
-    let results = json(&study(folder.path(), &["scene.toml", "--velocities", "300 ft/s", "-o", "out", "--json"]));
+    assert_eq!(json(&study(folder.path(), &short, &COARSE))["length_m"], 0.1);
+    let results = json(&study(folder.path(), &["scene.toml", "--velocities", "300 ft/s", "-o", "out", "--json"], &[]));
     assert_eq!(results["length_m"], 0.1);
     assert!((results["points"][0]["velocity_m_s"].as_f64().expect("a number") - 91.44).abs() < 1e-9);
     std::fs::write(folder.path().join("whole.toml"), SCENE.replace("rupture = \"critical-strain\"\n", ""))
@@ -136,6 +139,10 @@ fn scenes_are_tested_and_wrong_input_is_explained() {
         (&["copper-annealed", "--length", "0 m"], "`--length`"),
         (&["copper-annealed", "--cells", "1"], "`--cells`"),
         (&["copper-annealed", "--figure", "a.eps"], ".svg"),
+        (&["scene.toml", "--length", "0.1"], "`--length`: scene.toml is a scene: this option is for a material"),
+        (&["scene.toml", "--diameter", "1 cm"], "set `bar.diameter` in the scene"),
+        (&["scene.toml", "--far-end", "free"], "set `right.kind` in the scene"),
+        (&["scene.toml", "--cells", "50"], "set `solve.cells` in the scene"),
     ] {
         let arguments = [&["study", "tension-impact"], arguments].concat();
         let output = barwave(folder.path(), &arguments);

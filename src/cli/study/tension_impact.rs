@@ -33,18 +33,18 @@ pub(crate) struct Args {
     /// Number of velocities of a range.
     #[arg(long, value_name = "N", requires = "to")]
     count: Option<u32>,
-    /// Gauge length; for a material.
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, default_value = "200 mm")]
-    length: String,
-    /// Diameter; for a material.
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, default_value = "8 mm")]
-    diameter: String,
-    /// The end that is not struck; for a material.
-    #[arg(long, value_enum, default_value = "fixed")]
-    far_end: FarEnd,
-    /// Cells of the grid; for a material.
-    #[arg(long, value_name = "N", default_value_t = 200)]
-    cells: usize,
+    /// Gauge length; for a material [default: 200 mm].
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    length: Option<String>,
+    /// Diameter; for a material [default: 8 mm].
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    diameter: Option<String>,
+    /// The end that is not struck; for a material [default: fixed].
+    #[arg(long, value_enum)]
+    far_end: Option<FarEnd>,
+    /// Cells of the grid; for a material [default: 200].
+    #[arg(long, value_name = "N")]
+    cells: Option<usize>,
     /// Folder of the results [default: `tension-impact-<material>`, in `runs/out` if there is a folder `runs`]; created if missing.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -106,17 +106,31 @@ fn test(args: &Args) -> Result<Test> {
             ["bar", "left"].into_iter().chain(KINDS.map(|kind| kind.key)).any(|key| table.contains_key(key))
         };
         if document.text.parse().is_ok_and(scene) {
+            refuse_specimen(args)?;
             return Test::new(document, path, velocities.as_ref());
         }
     }
     let specimen = Specimen {
         material: &args.subject,
-        length: &args.length,
-        diameter: &args.diameter,
-        far_end: args.far_end,
-        cells: args.cells,
+        length: args.length.as_deref().unwrap_or("200 mm"),
+        diameter: args.diameter.as_deref().unwrap_or("8 mm"),
+        far_end: args.far_end.unwrap_or(FarEnd::Fixed),
+        cells: args.cells.unwrap_or(200),
     };
     Test::new(specimen.scene(), Path::new(SPECIMEN), velocities.as_ref()).map_err(of_option)
+}
+
+/// Refuses the options of a specimen beside a scene, which states them itself.
+fn refuse_specimen(args: &Args) -> Result<()> {
+    let options = [
+        (args.length.is_some(), "--length", "bar.length"),
+        (args.diameter.is_some(), "--diameter", "bar.diameter"),
+        (args.far_end.is_some(), "--far-end", "right.kind"),
+        (args.cells.is_some(), "--cells", "solve.cells"),
+    ];
+    let Some((_, option, key)) = options.into_iter().find(|(given, ..)| *given) else { return Ok(()) };
+    let error = InputError::new(format!("{} is a scene: this option is for a material", args.subject)).key(option);
+    Err(error.help(format!("remove {option}, and set `{key}` in the scene")).into())
 }
 
 /// Attributes an error in the scene of the specimen, which the user has not written, to an option.

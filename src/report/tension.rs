@@ -1,5 +1,6 @@
 //! Figure of a tension-impact study.
 
+use super::display::Unit;
 use super::drawing::Picture;
 use super::lines::{Line, Panel, Style, figure};
 use crate::study::tension::{Point, Results};
@@ -14,19 +15,18 @@ const PROFILES: [f64; 4] = [0.25, 0.6, 0.95, 1.1];
 /// of the curve, and the residual strain at some velocities.
 pub fn draw(results: &Results, units: System) -> Picture {
     let [energy, length] = [Dimension::Energy, Dimension::Length].map(|dimension| units.of_columns(dimension));
+    let by_curve = results.static_elongation / PERCENT;
+    let energy_label = Unit { factor: 1.0 / energy.si, symbol: energy.symbol }.label("energy absorbed");
     let mut panels = vec![
-        against_velocity(results, units, "elongation at fracture", "elongation (%)", |p| Some(p.elongation? / PERCENT)),
-        against_velocity(results, units, "energy absorbed", &format!("energy absorbed ({})", energy.symbol), |p| {
-            Some(energy.of(p.energy?))
+        against_velocity(results, units, ["elongation at fracture", "elongation (%)"], by_curve, |p| {
+            Some(p.elongation? / PERCENT)
         }),
-        against_velocity(results, units, "place of fracture", &distance(length), |p| {
+        against_velocity(results, units, ["energy absorbed", &energy_label], 1.0, |p| Some(energy.of(p.energy?))),
+        against_velocity(results, units, ["place of fracture", &distance(length)], length.of(results.length_m), |p| {
             Some(length.of(p.fracture_position_m?))
         }),
     ];
-    let slow = vec![
-        (0.0, results.static_elongation / PERCENT),
-        (velocity(units).of(last(results)), results.static_elongation / PERCENT),
-    ];
+    let slow = vec![(0.0, by_curve), (velocity(units).of(last(results)), by_curve)];
     panels[0].lines.push(line(format!("{} curve", results.curve), slow, 2, Style::Dotted));
     if !results.x.is_empty() {
         panels.push(profiles(results, units));
@@ -50,24 +50,24 @@ fn line(name: impl Into<String>, points: Vec<(f64, f64)>, colour: usize, style: 
     Line { name: name.into(), points, colour, style }
 }
 
-/// Returns a panel with the points, and the critical velocity of the curve as a vertical line.
+/// Returns a panel with the points, and the critical velocity of the curve as a vertical line, which ends at `top` if no value lies above zero.
 fn against_velocity(
     results: &Results,
     units: System,
-    title: &str,
-    label: &str,
+    [title, label]: [&str; 2],
+    top: f64,
     value: impl Fn(&Point) -> Option<f64>,
 ) -> Panel {
     let unit = velocity(units);
     let points: Vec<_> = results.points.iter().filter_map(|p| Some((unit.of(p.velocity_m_s), value(p)?))).collect();
-    let top = points.iter().map(|p| p.1).fold(f64::MIN_POSITIVE, f64::max);
+    let largest = points.iter().map(|p| p.1).fold(0.0, f64::max);
     let critical = unit.of(results.critical_velocity_m_s);
-    let critical = vec![(critical, 0.0), (critical, top)];
-    let lines = vec![
-        line("simulated", points.clone(), 0, Style::Solid),
-        line("", points, 0, Style::Marks),
-        line("critical velocity", critical, 1, Style::Dashed),
-    ];
+    let critical = vec![(critical, 0.0), (critical, if largest > 0.0 { largest } else { top })];
+    let mut lines = vec![line("critical velocity", critical, 1, Style::Dashed)];
+    if !points.is_empty() {
+        lines.insert(0, line("simulated", points.clone(), 0, Style::Solid));
+        lines.insert(1, line("", points, 0, Style::Marks));
+    }
     Panel { title: title.into(), labels: [format!("impact velocity ({})", unit.symbol), label.into()], lines }
 }
 

@@ -109,6 +109,59 @@ const SCENE: &str = "[bar]\nlength = 0.1\ndiameter = 0.01\nmaterial = \"copper-a
                      1\nmethod = \
                      \"fd\"\ncells = 30\n[record]\nframes = 2\n";
 
+/// Writes the scene with front tracking that stops at this number of events.
+fn limited(folder: &Path, tolerance: f64, events: u32) {
+    let method = format!("method = \"moc\"\nfront-tolerance = {tolerance}\nmax-events = {events}\n");
+    let text = SCENE.replace("method = \"fd\"\ncells = 30\n", &method).replace("length = 0.1", "length = 0.2");
+    std::fs::write(folder.join("scene.toml"), text).expect("a scene");
+}
+
+/// A run that stops before a wave has returned from the far end decides nothing: it is no bound of the critical velocity, and has no numbers.
+#[test]
+fn a_run_that_stopped_undecided_is_no_bound() {
+    let folder = folder();
+    limited(folder.path(), 0.003, 40);
+    let arguments = ["scene.toml", "--velocities", "85,91,95", "-o", "out", "--json"];
+    let results = json(&study(folder.path(), &arguments, &[]));
+    let points = results["points"].as_array().expect("points");
+    assert_eq!(points[0]["status"], "stopped");
+    for (key, others) in [("at_once", true), ("at_struck_end", true)] {
+        assert_eq!(
+            points.iter().map(|point| point[key].as_bool()).collect::<Vec<_>>(),
+            [None, Some(others), Some(others)]
+        );
+    }
+    assert_eq!(results["critical_between_m_s"], Value::Null);
+    let table = std::fs::read_to_string(folder.path().join("out/tension-impact.csv")).expect("a table");
+    assert!(
+        table.lines().nth(1).is_some_and(|row| row.starts_with("85.0,stopped,") && row.ends_with(",,,,,,")),
+        "{table}"
+    );
+    let figure = std::fs::read_to_string(folder.path().join("out/tension-impact.svg")).expect("a figure");
+    assert!(!figure.contains("85.0 m/s") && figure.contains("91.0 m/s"), "it has no residual strain");
+    // A study without any result is an error, after its table is written.
+    let output = study(folder.path(), &["scene.toml", "--velocities", "85", "-o", "one"], &[]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("no run has reached its end; the first one: the run stopped at"), "{said}");
+    let figure = std::fs::read_to_string(folder.path().join("one/tension-impact.svg")).expect("a figure");
+    assert!(figure.contains("critical velocity") && !figure.contains(">simulated<"), "{figure}");
+}
+
+/// A run that stops after a fracture keeps it.
+#[test]
+fn the_fracture_of_a_stopped_run_is_kept() {
+    let folder = folder();
+    limited(folder.path(), 0.02, 7000);
+    let results = json(&study(folder.path(), &["scene.toml", "--velocities", "60,95", "-o", "out", "--json"], &[]));
+    let point = &results["points"][0];
+    assert_eq!((&point["status"], &point["elongation"]), (&"stopped".into(), &Value::Null));
+    assert!(point["fracture_time_s"].as_f64().is_some_and(|time| (1.1e-3..1.3e-3).contains(&time)), "{point}");
+    assert!(point["fracture_position_m"].as_f64().is_some_and(|x| (0.1..0.2).contains(&x)), "{point}");
+    assert_eq!([&point["at_once"], &point["at_struck_end"]], [&Value::Bool(false); 2]);
+    assert_eq!(results["critical_between_m_s"], serde_json::json!([60.0, 95.0]));
+}
+
 #[test]
 fn scenes_are_tested_and_wrong_input_is_explained() {
     let folder = folder();

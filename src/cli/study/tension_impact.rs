@@ -11,7 +11,7 @@ use crate::input::Document;
 use crate::report::{plot, tension as picture};
 use crate::scene::KINDS;
 use crate::study::sweep::{Shard, run as run_cases};
-use crate::study::tension::{FarEnd, Results, SPECIMEN, Specimen, Test, results, write_csv, write_hdf5};
+use crate::study::tension::{FarEnd, Point, Results, SPECIMEN, Specimen, Test, results, write_csv, write_hdf5};
 use crate::units::{Dimension, System, format as with_unit};
 
 /// Options of `barwave study tension-impact`.
@@ -91,9 +91,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     write_hdf5(&folder.join("tension-impact.h5"), &results)?;
     plot::save(&figure, &format!("Tension impact of {}", results.material), &picture::draw(&results, args.units))?;
     if args.json {
-        return output::json(&results);
+        output::json(&results)?;
+    } else if !args.quiet {
+        output::text(&text(&results, args.units, &folder, &figure))?;
     }
-    if args.quiet { Ok(()) } else { output::text(&text(&results, args.units, &folder, &figure)) }
+    results.check()
 }
 
 /// Returns the test of a scene file, or of a specimen of a material.
@@ -170,6 +172,21 @@ fn velocities(args: &Args) -> Result<Option<Value>> {
     Ok(Some(Value::Table(entries.map(|(key, value)| (key.to_owned(), value)).into_iter().collect())))
 }
 
+/// Returns what happened to the specimen.
+fn status(point: &Point) -> String {
+    let place = match (point.at_struck_end, point.at_once) {
+        (Some(true), Some(true)) => "rupture at struck end at once",
+        (Some(true), _) => "rupture at struck end, after reflections",
+        _ if point.fracture_time_s.is_some() => "rupture",
+        _ => "",
+    };
+    match (place, point.reason.is_empty()) {
+        ("", _) => format!("{} {}", point.status, point.reason).trim().to_owned(),
+        (place, true) => place.to_owned(),
+        (place, false) => format!("{place}; {} {}", point.status, point.reason),
+    }
+}
+
 fn text(results: &Results, units: System, folder: &Path, figure: &Path) -> String {
     let [unit, energy, length, time] = [Dimension::Velocity, Dimension::Energy, Dimension::Length, Dimension::Time]
         .map(|dimension| units.of_columns(dimension));
@@ -190,11 +207,7 @@ fn text(results: &Results, units: System, folder: &Path, figure: &Path) -> Strin
             output::fixed(point.energy.map(|e| energy.of(e)), 2),
             output::fixed(point.fracture_position_m.map(|x| length.of(x)), if units == System::Si { 1 } else { 3 }),
             output::fixed(point.fracture_time_s.map(|t| time.of(t)), 1),
-            match (point.at_struck_end, point.at_once) {
-                (true, true) => "rupture at struck end at once".to_owned(),
-                (true, false) => "rupture at struck end, after reflections".to_owned(),
-                _ => format!("{} {}", point.status, point.reason).trim().to_owned(),
-            },
+            status(point),
         ]
     });
     let table = output::table(&headings, &rows.collect::<Vec<_>>(), 0, true);

@@ -93,6 +93,11 @@ impl Specimen<'_> {
 }
 
 impl Test {
+    /// Returns the time in which an elastic wave returns from the far end, s.
+    pub(super) fn return_time(&self) -> f64 {
+        2.0 * self.transit
+    }
+
     /// Creates the test of a specimen or of the bar of a scene. `velocities` is a list or a range, as on the axis of a sweep.
     ///
     /// # Errors

@@ -8,33 +8,34 @@ use super::plan::{METRICS, Test};
 use crate::destination::write_whole;
 use crate::error::{Error, Result};
 use crate::record::Field;
-use crate::record::store::{ResultFile, SweepColumn, SweepFile, Values, write_sweep};
-use crate::study::sweep::{Row, case_file, rows};
+use crate::record::store::{ResultFile, Side, SweepColumn, SweepFile, Values, write_sweep};
+use crate::study::sweep::{Row, Status, case_file, rows};
 
 /// Result of one impact.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// Impact velocity.
     pub velocity_m_s: f64,
-    /// Status as in the table of a sweep: `rupture`, `done` (no fracture occurred), `stopped`, `refused`.
+    /// Status as in the table of a sweep: `rupture`, `done` (no fracture occurred), `stopped`, `refused`. A stopped run has the fracture that it had
+    /// reached.
     pub status: &'static str,
     /// Reason why the case was stopped or refused; empty otherwise.
     pub reason: String,
-    /// Plastic elongation of all fragments, relative to the gauge length; `None` if no fracture occurred.
+    /// Plastic elongation of all fragments, relative to the gauge length; `None` if no fracture occurred or the run stopped.
     pub elongation: Option<f64>,
-    /// Energy absorbed by plastic flow and fracture, J; `None` if no fracture occurred.
+    /// Energy absorbed by plastic flow and fracture, J; `None` if no fracture occurred or the run stopped.
     #[serde(rename = "energy_absorbed_J")]
     pub energy: Option<f64>,
     /// Position of the first fracture, measured from the struck end.
     pub fracture_position_m: Option<f64>,
     /// Time of the first fracture.
     pub fracture_time_s: Option<f64>,
-    /// Whether the first fracture is at the struck end.
-    pub at_struck_end: bool,
+    /// Whether the first fracture is at the struck end; `None` if the run stopped before a fracture.
+    pub at_struck_end: Option<bool>,
     /// Whether the first fracture is at the struck end and occurs before a wave has returned from the far end. The bar then cannot sustain the
-    /// velocity.
-    pub at_once: bool,
-    /// Plastic strain along the specimen at the end of the run, at [`Results::x`].
+    /// velocity. `None` if the run stopped before either was known.
+    pub at_once: Option<bool>,
+    /// Plastic strain along the specimen at the end of the run, at [`Results::x`]; empty if the run stopped.
     #[serde(skip)]
     pub residual_strain: Vec<f64>,
 }
@@ -48,22 +49,36 @@ pub struct Results {
     pub length_m: f64,
     /// Curve used for the next two values: `static`, or `adiabatic` for a material with heating.
     pub curve: &'static str,
-    /// Critical velocity of the curve.
+    /// Critical velocity of the curve, or of its part up to the strain at which the fracture criterion is met, if that is smaller.
     pub critical_velocity_m_s: f64,
-    /// Plastic strain at the maximum of the curve.
+    /// Plastic strain at the end of this part of the curve: its maximum, or where the fracture criterion is met.
     pub static_elongation: f64,
     /// Largest elongation, relative to the gauge length.
     pub largest_elongation: Option<f64>,
     /// Impact velocity of the largest elongation.
     pub velocity_of_largest_elongation_m_s: Option<f64>,
     /// Interval that contains the critical velocity. At the second velocity and at all higher ones the bar fractures immediately at the struck end;
-    /// at the first velocity it does not. `None` if there are no two such velocities.
+    /// at the first velocity it does not. Velocities whose runs stopped before this was known do not count. `None` if there are no two such
+    /// velocities.
     pub critical_between_m_s: Option<[f64; 2]>,
     /// Results of the impacts, ordered by velocity.
     pub points: Vec<Point>,
     /// Positions of the residual strains, m from the struck end.
     #[serde(skip)]
     pub x: Vec<f64>,
+}
+
+impl Results {
+    /// Checks that a run has reached its end.
+    ///
+    /// # Errors
+    /// [`Error::Checks`] with the reason of the first run if none has.
+    pub fn check(&self) -> Result<()> {
+        match self.points.first().filter(|_| self.points.iter().all(|point| !point.reason.is_empty())) {
+            Some(first) => Err(Error::Checks(format!("no run has reached its end; the first one: {}", first.reason))),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Collects the results of the cases in the folder of a test. Cases without a row are omitted.
@@ -73,15 +88,22 @@ pub struct Results {
 pub fn results(test: &Test, folder: &Path) -> Result<Results> {
     let (mut points, mut x) = (Vec::new(), Vec::new());
     for row in rows(folder)? {
-        let (place, strain) = profile(folder, &row)?;
-        if !place.is_empty() {
-            x = place;
+        let (path, status) = (case_file(folder, row.case), row.status);
+        let mut point = point(test, row);
+        if path.exists() {
+            let file = ResultFile::open(&path)?;
+            if status == Status::Stopped {
+                point.add_observed(test, &file)?;
+            } else if let Some(places) = point.add_profile(&file)? {
+                x = places;
+            }
         }
-        points.push(point(test, row, strain));
+        points.push(point);
     }
     let broken = points.iter().filter_map(|point| Some((point.elongation?, point.velocity_m_s)));
     let largest = broken.max_by(|a, b| a.0.total_cmp(&b.0));
-    let begins = points.windows(2).rfind(|pair| !pair[0].at_once);
+    let decided: Vec<(f64, bool)> = points.iter().filter_map(|p| Some((p.velocity_m_s, p.at_once?))).collect();
+    let begins = decided.windows(2).rfind(|pair| !pair[0].1);
     Ok(Results {
         material: test.material.clone(),
         length_m: test.length,
@@ -90,18 +112,18 @@ pub fn results(test: &Test, folder: &Path) -> Result<Results> {
         static_elongation: test.static_elongation,
         largest_elongation: largest.map(|(elongation, _)| elongation),
         velocity_of_largest_elongation_m_s: largest.map(|(_, velocity)| velocity),
-        critical_between_m_s: begins
-            .filter(|pair| pair[1].at_once)
-            .map(|pair| [pair[0].velocity_m_s, pair[1].velocity_m_s]),
+        critical_between_m_s: begins.filter(|pair| pair[1].1).map(|pair| [pair[0].0, pair[1].0]),
         points,
         x,
     })
 }
 
-fn point(test: &Test, row: Row, residual_strain: Vec<f64>) -> Point {
+fn point(test: &Test, row: Row) -> Point {
     let number = |k: usize| row.metrics.get(METRICS[k]).and_then(serde_json::Value::as_f64);
     let [elongation, energy, position, time] = [0, 1, 2, 3].map(number);
-    let at_struck_end = row.metrics.get(METRICS[4]).is_some_and(|site| site == "left end");
+    let site = row.metrics.get(METRICS[4]).and_then(serde_json::Value::as_str);
+    let ended = [Status::Done, Status::Rupture].contains(&row.status);
+    let at_struck_end = site == Some(STRUCK_END);
     Point {
         velocity_m_s: test.velocities[row.case],
         status: row.status.name(),
@@ -109,25 +131,40 @@ fn point(test: &Test, row: Row, residual_strain: Vec<f64>) -> Point {
         energy: time.and(energy),
         fracture_position_m: position,
         fracture_time_s: time,
-        at_struck_end,
-        at_once: at_struck_end && time.is_some_and(|time| time < 2.0 * test.transit),
+        at_struck_end: ended.then_some(at_struck_end),
+        at_once: ended.then_some(at_struck_end && time.is_some_and(|time| time < test.return_time())),
         reason: row.reason,
-        residual_strain,
+        residual_strain: Vec::new(),
     }
 }
 
-/// Returns the positions and plastic strains of a case at the end of its run; both are empty if the case has no result file or no frames.
-fn profile(folder: &Path, row: &Row) -> Result<(Vec<f64>, Vec<f64>)> {
-    let path = case_file(folder, row.case);
-    if !path.exists() {
-        return Ok((Vec::new(), Vec::new()));
+/// Site of a fracture at the struck end in result files.
+const STRUCK_END: &str = "left end";
+
+impl Point {
+    /// Adds what a run that stopped had reached: its first fracture, and whether the time in which the bar would fracture at once had passed.
+    fn add_observed(&mut self, test: &Test, file: &ResultFile) -> Result<()> {
+        let ruptures = file.ruptures()?;
+        if let Some(first) = ruptures.iter().min_by(|a, b| a.time.total_cmp(&b.time)) {
+            let at_struck_end = first.site == STRUCK_END;
+            (self.fracture_position_m, self.fracture_time_s) = (Some(first.x), Some(first.time));
+            self.at_struck_end = Some(at_struck_end);
+            self.at_once = Some(at_struck_end && first.time < test.return_time());
+        } else if file.end(Side::Left)?.time.last().is_some_and(|&time| time >= test.return_time()) {
+            self.at_once = Some(false);
+        }
+        Ok(())
     }
-    let file = ResultFile::open(&path)?;
-    let frames = file.time()?.len();
-    if frames == 0 {
-        return Ok((Vec::new(), Vec::new()));
+
+    /// Adds the plastic strain along the specimen at the end of the run, and returns its positions; `None` if the file has no frames.
+    fn add_profile(&mut self, file: &ResultFile) -> Result<Option<Vec<f64>>> {
+        let frames = file.time()?.len();
+        if frames == 0 {
+            return Ok(None);
+        }
+        self.residual_strain = file.field(Field::PlasticStrain, frames - 1..frames)?.row(0).to_vec();
+        file.x().map(Some)
     }
-    Ok((file.x()?, file.field(Field::PlasticStrain, frames - 1..frames)?.row(0).to_vec()))
 }
 
 /// Name, unit and accessor of a numerical value of a [`Point`].
@@ -137,8 +174,8 @@ const NUMBERS: [Number; 6] = [
     ("energy_absorbed_J", "J", |p| p.energy),
     ("fracture_position_m", "m", |p| p.fracture_position_m),
     ("fracture_time_s", "s", |p| p.fracture_time_s),
-    ("at_struck_end", "1", |p| Some(f64::from(p.at_struck_end))),
-    ("at_once", "1", |p| Some(f64::from(p.at_once))),
+    ("at_struck_end", "1", |p| p.at_struck_end.map(f64::from)),
+    ("at_once", "1", |p| p.at_once.map(f64::from)),
 ];
 
 /// Writes a CSV file with one row per velocity. Missing values are empty.

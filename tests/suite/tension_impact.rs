@@ -162,6 +162,34 @@ fn the_fracture_of_a_stopped_run_is_kept() {
     assert_eq!(results["critical_between_m_s"], serde_json::json!([60.0, 95.0]));
 }
 
+/// With a criterion of energy or stress the curve needs no maximum. The critical velocity is that of the curve up to the strain of fracture.
+#[test]
+fn a_material_without_largest_stress_breaks_by_energy_or_stress() {
+    let folder = folder();
+    let curve = "curve = { table = [[0.001, 200e6], [0.05, 350e6], [0.1, 400e6]] }";
+    let material = format!("{{ name = \"m\", density = 7850, modulus = 200e9, beyond = \"extend\", {curve} }}");
+    let scene = SCENE.replace("\"copper-annealed\"", &material).replace("cells = 30", "cells = 100");
+    // 32.325 MJ/m^3 is the area below the curve up to the strain 0.1, where the stress is 400 MPa.
+    for (k, criterion) in ["energy = 32.325e6", "spall = 400e6"].iter().enumerate() {
+        let text = scene.replace("\"critical-strain\"", &format!("{{ {criterion} }}"));
+        std::fs::write(folder.path().join("scene.toml"), text).expect("a scene");
+        let out = format!("out{k}");
+        let results = json(&study(folder.path(), &["scene.toml", "-o", &out, "--json"], &[]));
+        let number = |key: &str| results[key].as_f64().expect("a number");
+        // 200 MPa/(rho c0) + sqrt(150 MPa 0.049/rho) + sqrt(50 MPa 0.05/rho)
+        assert!((number("critical_velocity_m_s") - (5.0475 + 30.599 + 17.846)).abs() < 0.02, "{results}");
+        assert!((number("static_elongation") - 0.098).abs() < 1e-9, "{results}");
+        let bound = |i: usize| results["critical_between_m_s"][i].as_f64().expect("a number");
+        assert!(bound(0) < number("critical_velocity_m_s") && number("critical_velocity_m_s") < bound(1), "{results}");
+    }
+    // A material alone breaks by the critical strain, which this one does not have.
+    let alone = format!("name = \"m\"\ndensity = 7850\nmodulus = 200e9\nbeyond = \"extend\"\n{curve}\n");
+    std::fs::write(folder.path().join("m.toml"), alone).expect("a material");
+    let output = study(folder.path(), &["m.toml"], &[]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && said.contains("give a scene with rupture"), "{said}");
+}
+
 #[test]
 fn scenes_are_tested_and_wrong_input_is_explained() {
     let folder = folder();

@@ -144,6 +144,12 @@ fn of_option(error: Error) -> Error {
         ("bar.material", "MATERIAL"),
     ];
     match error {
+        // The specimen breaks by the critical strain.
+        Error::Input(e) if e.key == "effects.rupture" => {
+            let help = "extend the curve to its largest stress, set beyond = \"rupture\" if the data end in rupture, or give a scene \
+                        with rupture = { energy = \"...\" } or { spall = \"...\" } under [effects]";
+            InputError { key: "MATERIAL".into(), place: None, help: help.into(), ..e }.into()
+        }
         Error::Input(e) if e.place.as_ref().is_some_and(|place| place.file == SPECIMEN) => {
             let option =
                 OPTIONS.iter().find(|(key, _)| *key == e.key).map_or(e.key.clone(), |(_, option)| (*option).into());

@@ -4,6 +4,7 @@
 //! because the specimen fractures immediately at the struck end: T. von Kármán and P. Duwez, J. Appl. Phys. 21 (1950) 987; D. S. Clark and D. S.
 //! Wood, Trans. ASM 42 (1950) 45; M. Manjoine and A. Nadai, Proc. ASTM 40 (1940) 822.
 
+mod limit;
 mod plan;
 mod results;
 

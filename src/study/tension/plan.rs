@@ -4,6 +4,7 @@ use std::path::Path;
 
 use toml::Value;
 
+use super::limit::Limit;
 use crate::bar::EndCondition;
 use crate::error::{Error, InputError, Result};
 use crate::input::Document;
@@ -15,8 +16,8 @@ use crate::study::sweep::{Axis, Combine, Level, Sweep};
 /// Number of default impact velocities. They are the odd multiples 3, 5, ... of 1/40 of the critical velocity.
 const VELOCITIES: usize = 27;
 
-/// A run ends at `MARGIN` times the time at which the mean strain would equal the strain at the maximum of the curve, plus `TRANSITS` elastic transit
-/// times, in which the fragments unload.
+/// A run ends at `MARGIN` times the time at which the mean strain would equal the strain at the maximum of the curve (at its [`Limit`] if it has no
+/// maximum), plus `TRANSITS` elastic transit times, in which the fragments unload.
 const MARGIN: f64 = 1.05;
 const TRANSITS: f64 = 8.0;
 
@@ -66,9 +67,9 @@ pub struct Test {
     pub velocities: Vec<f64>,
     /// Curve used for `critical_velocity` and `static_elongation`: `static`, or `adiabatic` for a material with heating.
     pub curve: &'static str,
-    /// Critical velocity of the curve, m/s.
+    /// Critical velocity of the curve up to its [`Limit`], m/s.
     pub critical_velocity: f64,
-    /// Plastic strain at the maximum of the curve, which is the elongation over the gauge length in a test without waves.
+    /// Plastic strain at the [`Limit`] of the curve, which is the elongation over the gauge length in a test without waves.
     pub static_elongation: f64,
 }
 
@@ -114,13 +115,15 @@ impl Test {
         check(&scene)?;
         let segment = &scene.bar.segments[0];
         let row = critical(&segment.material, Sense::Tension);
-        let (Some(velocity), Some(strain), Some(stress)) =
-            (row.critical_velocity_m_s, row.strain_at_max, row.stress_at_max_pa)
-        else {
+        let Some(limit) = Limit::of(&scene) else {
             let message = format!("{} has no critical velocity: {}", row.material, row.reason);
-            let help = "use a material whose curve includes its largest stress; `barwave critical` lists them";
+            let help = "use a material whose curve includes its largest stress (`barwave critical` lists them), or reaches the \
+                        threshold of the fracture criterion";
             return Err(InputError::new(message).help(help).into());
         };
+        let velocity = limit.velocity(&segment.material);
+        // With a smaller limit, the time up to the maximum of the curve is long enough, too.
+        let strain = row.strain_at_max.unwrap_or(limit.strain);
         let velocities = velocities.map_or_else(|| Ok(around(velocity)), positive)?;
         let length = scene.bar.length();
         let transit = scene.bar.transit_time();
@@ -134,7 +137,7 @@ impl Test {
         let fields = vec!["plastic_strain".to_owned()];
         Ok(Self {
             sweep: Sweep::of_scene(name, document, path, axes, Combine::Zip, metrics, fields)?,
-            static_elongation: strain - stress / segment.material.modulus,
+            static_elongation: limit.strain - limit.stress / segment.material.modulus,
             curve: if segment.material.is_adiabatic() { "adiabatic" } else { "static" },
             critical_velocity: velocity,
             material: row.material,

@@ -386,6 +386,47 @@ fn wrong_keys_and_metrics_are_named() {
     assert!(table.contains("refused,") && table.contains("`bar.length`") && !table.contains("--set"), "{table}");
 }
 
+/// An error in the values of an axis is at its place in the sweep file, in text and JSON; it names no option that was not given.
+#[test]
+fn wrong_values_are_found_in_the_sweep_file() {
+    let axes = "\"left.value\" = [-5, -6]\n\"bar.material\" = [\"no-such\"]\n";
+    let file = |fields: &str, axes: &str| format!("[sweep]\nscene = \"scene.toml\"\n{fields}[axes]\n{axes}");
+    for (text, key, line) in [
+        (file("", axes), "axes.bar.material", 5),
+        (file("", "\"left.valve\" = [-5]\n"), "axes.left.valve", 4),
+        (file("", "\"left..value\" = [-5]\n"), "axes.left..value", 4),
+        (file("fields = [\"stres\"]\n", "\"left.value\" = [-5]\n"), "sweep.fields", 3),
+    ] {
+        let folder = scenes(&text);
+        let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out"], 2);
+        assert!(message.contains(&format!("`{key}`")) && message.contains(&format!("sweep.toml:{line}:")), "{message}");
+        assert!(!message.contains("--set:"), "{message}");
+        let message = failed(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--json"], 2);
+        let error: Value = serde_json::from_str(message.lines().last().expect("a line")).expect("JSON");
+        let error = &error["error"];
+        let place = ["key", "file", "line"].map(|name| error[name].clone());
+        assert_eq!(place, [Value::from(key), Value::from("sweep.toml"), Value::from(line)], "{message}");
+    }
+}
+
+/// A shard whose cases are all refused ends as the whole sweep does, of which other cases run.
+#[test]
+fn a_shard_is_refused_only_with_the_whole_sweep() {
+    let folder = scenes(
+        "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.stress_Pa\"]\n[axes]\n\
+         \"bar.material\" = [\"copper-annealed\", \"no-such\"]\n",
+    );
+    let shard = ["sweep", "sweep.toml", "-o", "out", "--shard", "2/2"];
+    for arguments in [&shard[..], &[&shard[..], &["--resume"]].concat()] {
+        let output = barwave(folder.path(), arguments);
+        assert_eq!((output.status.code(), &output.stderr[..]), (Some(0), &b""[..]), "no warning, either");
+        let summary = String::from_utf8_lossy(&output.stdout);
+        assert!(summary.starts_with("1 case: 1 refused\n  reason  of 1 case: "), "{summary}");
+    }
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--shard", "1/2"]);
+    done(folder.path(), &["merge", "out", "-o", "merged.h5"]);
+}
+
 /// Impacts without waves in a bar have figures of their own; a sweep without numbers to draw still has a summary.
 #[test]
 fn other_scenes_are_drawn_too() {

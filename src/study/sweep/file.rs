@@ -9,11 +9,11 @@ use toml::Spanned;
 
 use super::axis::{Axis, RANDOM, Values};
 use super::names::unknown;
-use super::plan::{Combine, Plan};
-use crate::error::{Error, InputError, Result};
+use super::plan::{Combine, FIELDS, Plan};
+use crate::error::{Error, InputError, Place, Result};
 use crate::input::{Checked, Document, GivenKey};
 use crate::record::store::checksum;
-use crate::scene::{Problem, Template};
+use crate::scene::{CHANGES, Problem, Template};
 use crate::text_file;
 use crate::units::Dimension;
 
@@ -29,6 +29,18 @@ pub struct Sweep {
     pub plan: Plan,
     /// Scene that the cases change.
     template: Template,
+    /// Positions of the keys that the cases change, in the sweep file; empty for a sweep without a file.
+    given: Vec<Given>,
+}
+
+/// Position in the sweep file of the values of a key.
+#[derive(Debug, Clone)]
+struct Given {
+    /// Key of the scene.
+    key: String,
+    /// Key of the sweep file.
+    named: String,
+    place: Place,
 }
 
 /// A scene that runs many times with other values of some keys.
@@ -85,8 +97,9 @@ impl Sweep {
         let spans: Vec<Span> = raw.sweep.metrics.iter().map(Spanned::span).collect();
         let metrics = raw.sweep.metrics.into_iter().map(Spanned::into_inner).collect();
         let axes = axes(file, &places, &raw.axes)?;
-        Self::of_scene(name, document, &scene, axes, raw.sweep.combine, metrics, raw.sweep.fields)
-            .map_err(|error| in_file(error, file, &spans))
+        let sweep = Self::of_scene(name, document, &scene, axes, raw.sweep.combine, metrics, raw.sweep.fields)
+            .map_err(|error| in_file(error, file, &spans))?;
+        Ok(Self { given: given(file, &places), ..sweep })
     }
 
     /// Creates a sweep of a scene that has been read. Axes that are combined by "zip" need equal numbers of values.
@@ -113,16 +126,49 @@ impl Sweep {
         plan.check()?;
         state_units(&mut plan, &template);
         plan.files = checksum_of_files(&plan, &template);
-        Ok(Self { name, plan, template })
+        Ok(Self { name, plan, template, given: Vec::new() })
     }
 
     /// Returns the scene of a case.
     ///
     /// # Errors
-    /// Input errors: a case that the sweep does not have; an error in the scene with these values.
+    /// Input errors: a case that the sweep does not have; an error in the scene with these values, which has its position in the sweep file if it
+    /// is an error of these values.
     pub fn problem(&self, case: usize) -> Result<Problem> {
+        self.unplaced_problem(case).map_err(|error| self.in_sweep_file(error))
+    }
+
+    /// Returns the scene of a case as [`Sweep::problem`] does. The positions of errors in the values are those in the changes of the scene.
+    pub(super) fn unplaced_problem(&self, case: usize) -> Result<Problem> {
         self.template.problem(&self.plan.overrides(case)?)
     }
+
+    /// Moves the position of an error in a change of the scene to the values of its key in the sweep file.
+    fn in_sweep_file(&self, error: Error) -> Error {
+        let Error::Input(error) = error else { return error };
+        let change = match &error.place {
+            Some(place) if place.file == CHANGES => place.text.to_string(),
+            None if error.key == CHANGES => error.message.clone(),
+            _ => return error.into(),
+        };
+        let sets = |given: &&Given| change.strip_prefix(&given.key).is_some_and(|rest| rest.starts_with('='));
+        match self.given.iter().find(sets) {
+            Some(given) => error.key(&given.named).at(given.place.clone()).into(),
+            None => InputError { place: None, ..error }.into(),
+        }
+    }
+}
+
+/// Returns the positions of the axes and of the fields in a sweep file.
+fn given(file: &Document, axes: &[GivenKey]) -> Vec<Given> {
+    let axis = |axis: &GivenKey| Given {
+        key: axis.name.clone(),
+        named: format!("axes.{}", axis.name),
+        place: file.place(axis.value.clone()),
+    };
+    let named = "sweep.fields";
+    let fields = |span| Given { key: FIELDS.to_owned(), named: named.to_owned(), place: file.place(span) };
+    axes.iter().map(axis).chain(file.span_of(named).map(fields)).collect()
 }
 
 /// Sets the units of axes whose values are all plain numbers to those with which the scene reads them in the first case.

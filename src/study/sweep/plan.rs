@@ -12,6 +12,9 @@ use crate::input::Checked;
 /// Most cases of a sweep.
 const MOST_CASES: usize = 10 * MOST_VALUES;
 
+/// Scene key of the fields that are kept.
+pub(super) const FIELDS: &str = "record.fields";
+
 /// How axes are combined.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -148,7 +151,7 @@ impl Plan {
         let mut all: Vec<String> = axes.map(|(axis, level)| format!("{}={}", axis.key, level.typed)).collect();
         if !self.fields.is_empty() {
             let names: Vec<String> = self.fields.iter().map(|name| format!("\"{name}\"")).collect();
-            all.push(format!("record.fields=[{}]", names.join(", ")));
+            all.push(format!("{FIELDS}=[{}]", names.join(", ")));
         }
         all
     }

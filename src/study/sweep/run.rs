@@ -75,21 +75,20 @@ pub fn run(
     let mut rows = under.rows.into_inner().unwrap_or_default();
     rows.sort_by_key(|row| row.case);
     let failed = under.failed.into_inner().unwrap_or_default();
-    let statuses = match count_statuses(sweep, &rows) {
-        // If all cases of a new sweep are refused, its folder is removed. A shard is kept, because merging needs its rows.
-        Err(error) if failed.is_none() && !resume && shard == Shard::WHOLE => {
-            if let Ok(journal) = under.journal.into_inner() {
-                journal.remove(folder);
-            }
-            return Err(error);
+    let refused = if failed.is_none() { refusal(sweep, shard, &rows) } else { None };
+    // If all cases of a new sweep are refused, its folder is removed. A shard is kept, because merging needs its rows.
+    if refused.is_some() && !resume && shard == Shard::WHOLE {
+        if let Ok(journal) = under.journal.into_inner() {
+            journal.remove(folder);
         }
-        counted => {
-            write_tables(&tables[0], &tables[1], plan, &rows)?;
-            failed.map_or(counted, Err)?
-        }
-    };
+    } else {
+        write_tables(&tables[0], &tables[1], plan, &rows)?;
+    }
+    if let Some(error) = failed.or(refused) {
+        return Err(error);
+    }
     Ok(Finished {
-        statuses,
+        statuses: count_statuses(&rows),
         run: cases.len(),
         without_values: without_values(plan, &rows),
         commonest_reason: commonest_reason(&rows),
@@ -112,30 +111,37 @@ fn commonest_reason(rows: &[Row]) -> Option<(String, usize)> {
     Some((most.0.to_owned(), most.2))
 }
 
-/// Returns the metrics that no case has.
+/// Returns the metrics that no case has, if any case has run.
 fn without_values(plan: &Plan, rows: &[Row]) -> Vec<String> {
+    if rows.iter().all(|row| !row.reason.is_empty()) {
+        return Vec::new();
+    }
     let is_in = |name: &String, row: &Row| row.metrics.get(name).is_some_and(|value| !value.is_null());
     plan.metrics.iter().filter(|name| !rows.iter().any(|row| is_in(name, row))).cloned().collect()
 }
 
-/// Counts the cases by status. Returns an error if all were refused.
-fn count_statuses(sweep: &Sweep, rows: &[Row]) -> Result<BTreeMap<&'static str, usize>> {
+/// Counts the cases by status.
+fn count_statuses(rows: &[Row]) -> BTreeMap<&'static str, usize> {
     let mut statuses = BTreeMap::new();
     for row in rows {
         *statuses.entry(row.status.name()).or_default() += 1;
     }
-    match rows.first() {
-        Some(first) if statuses.keys().eq([&Status::Refused.name()]) => {
-            let all = |reason: &str| format!("every case is refused; the first one: {reason}");
-            // The error itself contains more details than its line in the table.
-            if let Err(Error::Input(error)) = sweep.problem(first.case) {
-                return Err(InputError { message: all(&error.message), ..error }.into());
-            }
-            let help = "check the keys of the axes and their values with `barwave run SCENE --set KEY=VALUE`";
-            Err(InputError::new(all(&first.reason)).help(help).into())
-        }
-        _ => Ok(statuses),
+    statuses
+}
+
+/// Returns the error of a sweep of which every case is refused, also those of the other shards, which are only read; `None` for any other sweep.
+fn refusal(sweep: &Sweep, shard: Shard, rows: &[Row]) -> Option<Error> {
+    let first = rows.first().filter(|_| rows.iter().all(|row| row.status == Status::Refused))?;
+    if (0..sweep.plan.cases()).any(|case| !shard.has(case) && sweep.unplaced_problem(case).is_ok()) {
+        return None;
     }
+    let all = |reason: &str| format!("every case is refused; the first one: {reason}");
+    // The error itself contains more details than its line in the table.
+    if let Err(Error::Input(error)) = sweep.problem(first.case) {
+        return Some(InputError { message: all(&error.message), ..error }.into());
+    }
+    let help = "check the keys of the axes and their values with `barwave run SCENE --set KEY=VALUE`";
+    Some(InputError::new(all(&first.reason)).help(help).into())
 }
 
 /// Runs as many cases at a time as there are threads, in the order of their numbers.
@@ -192,7 +198,7 @@ fn simulate(sweep: &Sweep, folder: &Path, case: usize, stop: &AtomicBool) -> Res
     let output = (!plan.fields.is_empty()).then(|| case_file(folder, case));
     let audited = plan.metrics.iter().any(|name| name.split('.').next() == Some("audit"));
     let json = |e: serde_json::Error| Error::file(folder, e);
-    match sweep.problem(case)? {
+    match sweep.unplaced_problem(case)? {
         Problem::Bar(scene) => {
             let mut progress =
                 |_| if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };

@@ -30,6 +30,9 @@ struct Front {
     width: f64,
     /// Magnitude of the strain that marks the front.
     level: f64,
+    /// For a front from an end that slower fronts follow: time until which the load of that end is constant, s. Unloading then meets the slower fronts
+    /// first, so that this front is undisturbed until the load is less than its own stress.
+    followed: Option<f64>,
     /// Number of cells behind the front, counted from the origin.
     passed: usize,
     /// Times (s) and distances from the origin (m), recorded while no other wave can have interfered.
@@ -63,9 +66,12 @@ impl FrontTracker {
         let mut fronts = Vec::new();
         for initial_fan in initial_fans {
             let window = window(bar, initial_fan, initial_fans, ends);
-            for edge in &initial_fan.fan.edges {
+            let at_end = matches!(initial_fan.origin, Origin::Left | Origin::Right);
+            for (k, edge) in initial_fan.fan.edges.iter().enumerate() {
+                let is_elastic = edge.is_elastic(window.c0);
+                let is_followed = at_end && !is_elastic && k + 1 < initial_fan.fan.edges.len();
                 // A later wave from the same origin cannot overtake an elastic front.
-                let near = if edge.is_elastic(window.c0) { f64::INFINITY } else { window.near };
+                let near = if is_elastic || is_followed { f64::INFINITY } else { window.near };
                 let level = 0.5 * (edge.strain_ahead + edge.strain_behind);
                 fronts.push(Front {
                     initial_fan: initial_fan.clone(),
@@ -73,6 +79,7 @@ impl FrontTracker {
                     window: Window { near, ..window },
                     width: FRONT_WIDTH * grid.segments[initial_fan.segment].spacing,
                     level,
+                    followed: is_followed.then_some(window.near),
                     passed: 0,
                     track: Vec::new(),
                     // In a taper the strains of a front change on its way, so that no constant level marks it.
@@ -98,12 +105,18 @@ impl FrontTracker {
 
 impl Snapshot for FrontTracker {
     fn save(&self) -> snapshot::Result<Vec<u8>> {
-        pack(&self.fronts.iter().map(|front| (front.passed, &front.track, front.finished)).collect::<Vec<_>>())
+        pack(
+            &self
+                .fronts
+                .iter()
+                .map(|front| (front.passed, &front.track, front.finished, front.window.near))
+                .collect::<Vec<_>>(),
+        )
     }
 
     fn restore(&mut self, saved: &[u8]) -> snapshot::Result<()> {
         for (front, saved) in self.fronts.iter_mut().zip(unpack::<Vec<_>>(saved)?) {
-            (front.passed, front.track, front.finished) = saved;
+            (front.passed, front.track, front.finished, front.window.near) = saved;
         }
         Ok(())
     }
@@ -133,12 +146,27 @@ impl Front {
             self.finished = true;
             return;
         }
+        self.notice_unloading(bar);
         let within = (behind - self.level) / (behind - ahead);
         let distance = (self.passed as f64 - 0.5 + within) * part.spacing;
         if self.window.undisturbed(bar.time(), distance, self.width) {
             self.track.push((bar.time(), distance));
         } else {
             self.finished = true;
+        }
+    }
+
+    /// Sets the time from which waves from the origin can disturb the front, once the stress there is less than that behind the front.
+    fn notice_unloading(&mut self, bar: &impl Stepped) {
+        let Some(held) = self.followed.filter(|_| self.window.near.is_infinite() && self.passed > LOOK_AHEAD) else {
+            return;
+        };
+        let cells = &bar.grid().segments[self.initial_fan.segment].cells;
+        let origin = if self.initial_fan.direction > 0.0 { cells.start } else { cells.end - 1 };
+        let stress = self.initial_fan.sense.sign() * bar.value(Quantity::Stress, origin);
+        if stress < self.edge.stress_behind {
+            // A sudden unloading takes the time of a front's width to show in the cell at the origin.
+            self.window.near = held.max(bar.time() - self.width / self.window.c0);
         }
     }
 

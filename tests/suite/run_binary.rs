@@ -461,6 +461,27 @@ fn copper_released() {
     assert_eq!((number(&summary["left"]["stress_Pa"]), number(&summary["right"]["stress_Pa"])), (0.0, 0.0));
 }
 
+/// A striker that slows down unloads the slowest front first. The others are followed for as long as the load exceeds their own stress, and have the
+/// speed of theory.
+#[test]
+fn the_fronts_of_a_slowing_striker_are_followed() {
+    let changes = [
+        "left.kind=striker",
+        "left.value=",
+        "left.mass=\"20 kg\"",
+        "left.velocity=\"30 m/s\"",
+        "bar.area=\"5 cm^2\"",
+        "effects.hardening=isotropic",
+        "solve.cells=1000",
+    ];
+    let summary = run("copper-below-critical.toml", &changes.map(|change| ["--set", change]).concat());
+    let fronts = summary["fronts"].as_array().expect("a list");
+    let (_, others) = fronts.split_last().expect("fronts");
+    assert!(others.len() > 10 && others.iter().all(|front| front["speed_measured_m_s"].is_number()), "{others:?}");
+    // The bar is 1 m long.
+    assert!(assert_speeds(&summary, 1e-3, 0.0, "a slowing striker") > 10, "{others:?}");
+}
+
 #[test]
 fn lock_up() {
     let summary = check("lock-up.toml", [0.0, 1.0], 2);

@@ -19,7 +19,7 @@ use crate::record::PathRow;
 use crate::snapshot::{pack, unpack};
 
 /// Version of the file's layout and of every state in it.
-const VERSION: u32 = 23;
+const VERSION: u32 = 24;
 
 /// Start of the first line.
 const START: &str = "barwave checkpoint ";

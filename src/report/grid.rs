@@ -27,16 +27,27 @@ pub(super) struct Panel {
 
 /// Draws the panels below a title, lettered if there are several; every axis includes zero.
 pub(super) fn draw(title: &str, panels: &[Panel]) -> Picture {
-    draw_from(title, panels, Some(0.0))
+    draw_along(title, panels, Across::FromZero)
 }
 
-/// Draws the panels as [`draw`] does, but with x axes that include `origin` instead of zero, or no such value if it is `None`.
-pub(super) fn draw_from(title: &str, panels: &[Panel], origin: Option<f64>) -> Picture {
+/// Kind of an x axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Across {
+    /// Linear, including zero.
+    FromZero,
+    /// Linear, around the values.
+    AroundValues,
+    /// Logarithmic; all values are positive.
+    Logarithmic,
+}
+
+/// Draws the panels as [`draw`] does, with x axes of another kind.
+pub(super) fn draw_along(title: &str, panels: &[Panel], across: Across) -> Picture {
     document(title, [panels.len().min(2), panels.len().div_ceil(2)], |drawing| {
         for (k, Panel { heading, axes: [x, y], series }) in panels.iter().enumerate() {
             let letter = char::from(b'a' + (k % 26) as u8);
             let heading = if panels.len() > 1 { format!("({letter})  {heading}") } else { heading.clone() };
-            panel_from(drawing, area(k % 2, k / 2), &heading, [x, y], series, origin);
+            panel_along(drawing, area(k % 2, k / 2), &heading, [x, y], series, across);
         }
     })
 }
@@ -59,19 +70,23 @@ pub(super) fn document(title: &str, [columns, rows]: [usize; 2], draw: impl FnOn
 
 /// Draws a panel whose axes include zero and all points.
 pub(super) fn panel(drawing: &mut Drawing, place: Area, heading: &str, axes: [&str; 2], series: &[Series]) {
-    panel_from(drawing, place, heading, axes, series, Some(0.0));
+    panel_along(drawing, place, heading, axes, series, Across::FromZero);
 }
 
-fn panel_from(
+fn panel_along(
     drawing: &mut Drawing,
     place: Area,
     heading: &str,
     [x, y]: [&str; 2],
     series: &[Series],
-    origin: Option<f64>,
+    across: Across,
 ) {
     let all = || series.iter().flat_map(|s| &s.points).filter(|p| p.0.is_finite() && p.1.is_finite());
-    let x = axis(x, &all().map(|p| p.0), origin);
+    let x = match across {
+        Across::FromZero => axis(x, &all().map(|p| p.0), Some(0.0)),
+        Across::AroundValues => axis(x, &all().map(|p| p.0), None),
+        Across::Logarithmic => Axis::logarithmic_around(x, all().map(|p| p.0)),
+    };
     let y = axis(y, &all().map(|p| p.1), Some(0.0));
     line_panel(drawing, place, heading, x, y, series);
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::display::{Unit, Units};
 use super::drawing::{Picture, RUPTURE, Stroke};
-use super::grid::{DASHES, Panel, draw_from};
+use super::grid::{Across, DASHES, Panel, draw_along};
 use super::panel::Series;
 use super::plot::colour;
 use super::results::{place_name, words};
@@ -44,9 +44,23 @@ pub fn figure(title: &str, plan: &Plan, rows: &[Row]) -> Option<Picture> {
         .rev()
         .filter(|&k| has_numbers(&plan.axes[k]))
         .max_by_key(|k| plan.axes[*k].levels.len())?;
-    let panels: Vec<Panel> =
+    let mut panels: Vec<Panel> =
         metrics(plan, rows).iter().filter_map(|metric| panel(plan, rows, along, metric)).take(MOST).collect();
-    (!panels.is_empty()).then(|| draw_from(title, &panels, None))
+    tell_apart(&mut panels);
+    let axis = &plan.axes[along];
+    let is_positive = axis.levels.iter().all(|level| level.si.is_some_and(|si| si > 0.0));
+    let across = if axis.logarithmic && is_positive { Across::Logarithmic } else { Across::AroundValues };
+    (!panels.is_empty()).then(|| draw_along(title, &panels, across))
+}
+
+/// Adds the units to headings of several panels that are the same without: "capacity (kJ)" and "capacity (MJ/m^3)".
+fn tell_apart(panels: &mut [Panel]) {
+    let headings: Vec<String> = panels.iter().map(|panel| panel.heading.clone()).collect();
+    for panel in panels {
+        if headings.iter().filter(|heading| **heading == panel.heading).count() > 1 {
+            panel.heading.clone_from(&panel.axes[1]);
+        }
+    }
 }
 
 /// Returns true if all values of the axis are numbers.
@@ -147,12 +161,16 @@ fn spoken_key(key: &str, unit: &str) -> String {
     }
 }
 
-/// Returns a value as it is written in the sweep file; a material file by its name without folder and ending.
-fn spoken_value(typed: &str) -> &str {
+/// Returns a value as it is written in the sweep file, a plain number with the SI unit of its axis; a material file by its name without folder and
+/// ending.
+fn spoken_value(typed: &str, unit: &str) -> String {
+    if typed.parse::<f64>().is_ok() {
+        return format!("{typed} {}", unit.replace(' ', "\u{b7}")).trim_end().to_owned();
+    }
     let text = typed.trim_matches('"');
     let file = std::path::Path::new(text);
     let is_file = file.extension().is_some_and(|ending| ending == "toml");
-    file.file_stem().and_then(std::ffi::OsStr::to_str).filter(|_| is_file).unwrap_or(text)
+    file.file_stem().and_then(std::ffi::OsStr::to_str).filter(|_| is_file).unwrap_or(text).to_owned()
 }
 
 /// Name of a line, and its points.
@@ -173,8 +191,9 @@ fn lines(plan: &Plan, rows: &[Row], along: usize, metric: &str) -> Vec<Named> {
         let others = levels.filter(|(k, (level, axis))| {
             *k != along && axis.levels.len() > 1 && (plan.combine == Combine::Product || level.si.is_none())
         });
-        let name = others
-            .map(|(_, (level, axis))| format!("{} {}", spoken_key(&axis.key, &axis.unit), spoken_value(&level.typed)));
+        let name = others.map(|(_, (level, axis))| {
+            format!("{} {}", spoken_key(&axis.key, &axis.unit), spoken_value(&level.typed, &axis.unit))
+        });
         let name = name.collect::<Vec<_>>().join(", ");
         match lines.iter_mut().find(|line| line.0 == name) {
             Some(line) => line.1.push(point),
@@ -224,6 +243,18 @@ mod tests {
     }
 
     #[test]
+    fn equal_headings_get_their_units() {
+        let panel = |heading: &str, unit: &str| {
+            let label = format!("{heading} ({unit})");
+            Panel { heading: heading.into(), axes: [String::new(), label], series: Vec::new() }
+        };
+        let mut panels = [panel("capacity", "kJ"), panel("largest force", "kN"), panel("capacity", "MJ/m^3")];
+        tell_apart(&mut panels);
+        let headings = panels.map(|panel| panel.heading);
+        assert_eq!(headings, ["capacity (kJ)", "largest force", "capacity (MJ/m^3)"]);
+    }
+
+    #[test]
     fn keys_are_spoken() {
         for (key, unit, words) in [
             ("left.value", "m/s", "velocity of the left end"),
@@ -236,6 +267,14 @@ mod tests {
         ] {
             assert_eq!(spoken_key(key, unit), words);
         }
-        assert_eq!(["\"../a b.toml\"", "\"0.5 m\"", "12.5"].map(spoken_value), ["a b", "0.5 m", "12.5"]);
+        for (typed, unit, words) in [
+            ("\"../a b.toml\"", "", "a b"),
+            ("\"0.5 m\"", "m", "0.5 m"),
+            ("12.5", "kg", "12.5 kg"),
+            ("3", "N s/m", "3 N\u{b7}s/m"),
+            ("400", "", "400"),
+        ] {
+            assert_eq!(spoken_value(typed, unit), words);
+        }
     }
 }

@@ -191,6 +191,7 @@ fn a_sweep_has_cases_of_its_axes() {
         key: key.into(),
         unit: String::new(),
         levels: values.iter().map(|v| Level { typed: v.to_string(), si: Some(*v) }).collect(),
+        logarithmic: false,
     };
     let sweep = |axes: Vec<Axis>, combine: Combine, metric: &str| {
         let document = Document::new("scene.toml", scene.text.as_str());

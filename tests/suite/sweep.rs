@@ -427,6 +427,22 @@ fn a_shard_is_refused_only_with_the_whole_sweep() {
     done(folder.path(), &["merge", "out", "-o", "merged.h5"]);
 }
 
+/// An axis of equal ratios is drawn logarithmically, plain numbers in the legend have their unit.
+#[test]
+fn the_figure_has_logarithmic_axes_and_units_in_its_legend() {
+    let folder = scenes(
+        "[sweep]\nscene = \"scene.toml\"\nmetrics = [\"left.peak_force_N\", \"left.peak_stress_Pa\"]\n[axes]\n\
+         \"bar.length\" = { from = 0.1, to = 10, count = 3, scale = \"log\" }\n\"left.value\" = [-5, -10]\n",
+    );
+    done(folder.path(), &["sweep", "sweep.toml", "-o", "out", "--plot", "a.svg"]);
+    let figure = text(folder.path(), "a.svg");
+    // The middle one of three equal ratios is in the middle of the axis.
+    let circle = |circle: &str| circle.split("cx=\"").nth(1)?.split('"').next()?.parse::<f64>().ok();
+    let places: Vec<f64> = figure.split("<circle").skip(1).take(3).filter_map(circle).collect();
+    assert!((places[0] + places[2] - 2.0 * places[1]).abs() < 1.0, "{places:?}");
+    assert!(figure.contains("velocity of the left end -10 m/s"), "{figure}");
+}
+
 /// Impacts without waves in a bar have figures of their own; a sweep without numbers to draw still has a summary.
 #[test]
 fn other_scenes_are_drawn_too() {

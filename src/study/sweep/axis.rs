@@ -47,6 +47,9 @@ pub struct Axis {
     pub unit: String,
     /// Values in the order of the file.
     pub levels: Vec<Level>,
+    /// Whether the values are spaced by equal ratios, or are random with uniformly distributed logarithms.
+    #[serde(default)]
+    pub logarithmic: bool,
 }
 
 /// The values of an axis, for the JSON schema.
@@ -123,18 +126,20 @@ impl Axis {
     /// # Errors
     /// A sentence that states what is wrong.
     pub(crate) fn read(key: &str, value: &Value) -> Read<Self> {
+        let mut logarithmic = false;
         let (levels, dimension) = match value {
             Value::Array(items) if items.is_empty() => return Err("the list is empty".into()),
             Value::Array(items) => listed(items)?,
             Value::Table(_) => {
                 let range: RawRange = value.clone().try_into().map_err(|e: toml::de::Error| e.message().to_owned())?;
                 let (levels, dimension) = range.levels(key)?;
+                logarithmic = range.scale == Some(Scale::Log);
                 let computed = range.choice.is_none() && dimension == Dimension::None;
                 (if computed && is_whole(key) { whole(levels, range.samples.is_some()) } else { levels }, dimension)
             }
             _ => return Err("an axis is a list of values, or a table such as { from = 1, to = 2, count = 11 }".into()),
         };
-        Ok(Self { key: key.to_owned(), unit: dimension.spaced_symbol(), levels })
+        Ok(Self { key: key.to_owned(), unit: dimension.spaced_symbol(), levels, logarithmic })
     }
 }
 

@@ -166,6 +166,7 @@ mod tests {
             key: key.into(),
             unit: String::new(),
             levels: values.iter().map(|v| Level { typed: v.to_string(), si: Some(*v) }).collect(),
+            logarithmic: false,
         };
         Plan {
             program: String::new(),

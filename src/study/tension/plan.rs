@@ -193,5 +193,5 @@ fn positive(given: &Value) -> Result<Vec<f64>> {
 
 fn axis(key: &str, unit: &str, values: impl Iterator<Item = f64>) -> Axis {
     let levels = values.map(|value| Level { typed: format!("{value:?}"), si: Some(value) }).collect();
-    Axis { key: key.to_owned(), unit: unit.to_owned(), levels }
+    Axis { key: key.to_owned(), unit: unit.to_owned(), levels, logarithmic: false }
 }

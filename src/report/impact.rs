@@ -47,14 +47,15 @@ fn history(impact: &StoredImpact, title: &str, units: Units) -> LinePanel {
     let columns = || tables.iter().flat_map(|(_, columns)| columns);
     let most = columns().flat_map(|c| c.values.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
     let symbol = columns().next().map_or("", |column| column.units.as_str());
-    let last = tables.iter().filter(|(_, columns)| !columns.is_empty()).filter_map(|(t, _)| t.columns[0].values.last());
-    let last = last.copied().fold(0.0, f64::max);
+    let of = |(table, columns): &(&StoredTable, Vec<StoredColumn>)| shown_until(&table.columns[0], columns);
+    let last = tables.iter().filter(|(_, columns)| !columns.is_empty()).map(of).fold(0.0, f64::max);
     let (unit, time) = (units.of_symbol(symbol, most), Units::time(last));
     let several = columns().count() > 1;
     let mut series = Vec::new();
     for (i, (table, columns)) in tables.iter().filter(|(_, columns)| !columns.is_empty()).enumerate() {
         for (j, column) in columns.iter().enumerate() {
             let points = table.columns[0].values.iter().zip(&column.values);
+            let points = points.filter(|(t, _)| **t <= last);
             let points = points.map(|(t, v)| (t * time.factor, v * unit.factor)).collect();
             // Each of several tables of one kind, such as gauges, has its own colour; otherwise each column has.
             let stroke = match (table.x, j) {
@@ -77,6 +78,19 @@ fn history(impact: &StoredImpact, title: &str, units: Units) -> LinePanel {
         x: Axis::new(time.label("time"), 0.0, last * time.factor),
         y: Axis::around(unit.label(quantity), values.into_iter()),
         series,
+    }
+}
+
+/// Time after the last contact that a panel of forces shows, relative to the time of the last contact.
+const AFTER: f64 = 0.1;
+
+/// Returns the time up to which columns are shown, s: the end of the run, or for forces soon after the last contact.
+fn shown_until(time: &StoredColumn, columns: &[StoredColumn]) -> f64 {
+    let end = time.values.last().copied().unwrap_or(0.0);
+    let acts = |row: &usize| columns.iter().any(|column| column.values.get(*row).is_some_and(|value| *value != 0.0));
+    match (0..time.values.len()).rev().find(acts) {
+        Some(row) if columns[0].units == "N" => end.min((1.0 + AFTER) * time.values[row]),
+        _ => end,
     }
 }
 
@@ -118,4 +132,26 @@ pub(super) fn figures(impact: &StoredImpact, units: Units) -> Vec<Vec<String>> {
     let sentences =
         sentences.into_iter().filter(|(_, text)| !text.is_empty()).map(|(name, text)| vec![name.into(), text.clone()]);
     sentences.chain(impact.figures.iter().map(row)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panels_of_forces_end_soon_after_the_contact() {
+        let column = |units: &str, values: &[f64]| StoredColumn {
+            units: units.into(),
+            long_name: String::new(),
+            panel: String::new(),
+            values: values.to_vec(),
+        };
+        let time = column("s", &[0.0, 1.0, 2.0, 10.0]);
+        let until =
+            |units: &str, values: &[f64]| shown_until(&time, &[column(units, &[0.0; 4]), column(units, values)]);
+        assert_eq!(until("N", &[0.0, 5.0, 0.0, 0.0]), 1.1);
+        assert_eq!(until("N", &[0.0, 5.0, 0.0, 5.0]), 10.0);
+        assert_eq!(until("N", &[0.0; 4]), 10.0);
+        assert_eq!(until("m", &[0.0, 5.0, 0.0, 0.0]), 10.0);
+    }
 }

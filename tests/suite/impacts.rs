@@ -257,6 +257,17 @@ fn foils_are_beyond_linear_theory_and_throw_nothing_back() {
     assert!(stopped["notes"].to_string().contains("increase `until`"), "{stopped}");
 }
 
+/// Linear bending theory holds for small slopes only: a beam that is bent by more than a tenth of its length has a note.
+#[test]
+fn beams_that_bend_far_are_beyond_linear_theory() {
+    let heavy = ["striker.density=", "striker.mass=\"100 kg\"", "solve.until=\"0.2 s\"", "solve.tolerance=0.01"];
+    for (velocity, noted) in [("0.1 m/s", false), ("5 m/s", true)] {
+        let set = format!("striker.velocity=\"{velocity}\"");
+        let beam = run("beam.toml", &[&heavy[..], &[&set]].concat());
+        assert_eq!(beam["notes"].to_string().contains("of its length: linear bending theory"), noted, "{beam}");
+    }
+}
+
 /// Hertz's half-space has no boundaries that a contact could reach.
 #[test]
 fn contacts_are_small_against_the_width_of_a_beam_and_the_thickness_of_a_plate() {

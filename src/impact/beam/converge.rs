@@ -149,6 +149,8 @@ impl Beam {
         super::super::account(&mut solution, &observer.ledger, &history);
         self.warn(&mut solution, &history, error);
         solution.warnings.extend(self.bends_beyond_yield(observer.strain()));
+        let deflection = observer.contact.own("deflection").iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        solution.warnings.extend(self.bends_far(deflection));
         solution.shapes = (!observer.shapes.time.is_empty()).then_some(observer.shapes);
         let tables = vec![observer.contact, contacts_table(&history), observer.ledger, self.modes_table(modes)];
         solution.tables = [tables, observer.readings].concat();
@@ -302,6 +304,20 @@ impl Beam {
                 "the beam yields: its largest stress{with} is {ratio:.2} times the yield stress; the elastic solution \
                  overestimates moment and rebound velocity"
             )
+        })
+    }
+}
+
+/// Deflection over length above which a note states that the slopes are not small. A half sine wave of this height has a slope of 0.31, whose square,
+/// which linear bending theory neglects, is 0.1.
+const MOST_DEFLECTION: f64 = 0.1;
+
+impl Beam {
+    /// Warns if the deflection at the impact is too large for linear bending theory.
+    fn bends_far(&self, deflection: f64) -> Option<String> {
+        let ratio = deflection / self.length;
+        (ratio > MOST_DEFLECTION).then(|| {
+            format!("the beam deflects by {ratio:.2} of its length: linear bending theory holds for small slopes only")
         })
     }
 }

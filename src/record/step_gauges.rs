@@ -93,14 +93,15 @@ impl StepGauges {
             return;
         }
         self.ended.extend(ended);
-        for piece in self.ended.iter().copied().chain(bar.living_front_segments()) {
+        let ended = self.ended.iter().map(|piece| (*piece, false));
+        for (piece, active) in ended.chain(bar.living_front_segments().map(|piece| (piece, true))) {
             let medium = bar.medium(piece.segment);
             for gauge in &mut self.gauges {
                 let new = |c: &Crossing| self.done < c.time && c.time <= until;
                 let point = &piece.behind;
                 let temperature = if self.heat { bar.temperature(piece.segment, point) } else { 0.0 };
                 let after = || [point.stress, medium.strain(point), point.velocity, temperature];
-                gauge.crossings.extend(gauge.crossing(&piece, after).filter(new));
+                gauge.crossings.extend(gauge.crossing(&piece, active, after).filter(new));
             }
         }
         self.done = until;
@@ -154,25 +155,29 @@ impl StepGauge {
 
     /// Returns the crossing of a front segment, if it changes the state at this gauge. Distances are measured from the
     /// place into the side that is read: a front that arrives from that side has passed all of it, and so has a front
-    /// that leaves the place into it.
-    fn crossing(&self, piece: &FrontSegment, after: impl FnOnce() -> State) -> Option<Crossing> {
+    /// that leaves the place into it. An active front at the place itself has passed it only if it started there: one
+    /// that arrives has not yet met what is there.
+    fn crossing(&self, piece: &FrontSegment, active: bool, after: impl FnOnce() -> State) -> Option<Crossing> {
         let distance = |x: f64| {
             let distance = self.side * (x - self.x);
             if distance.abs() <= self.same_place { 0.0 } else { distance }
         };
         let ([from, to], [start, end]) = (piece.x.map(distance), piece.t);
-        let leaves = from < to;
-        let passes = if leaves { from <= 0.0 && 0.0 < to } else { to <= 0.0 && 0.0 < from };
-        let length = piece.x[1] - piece.x[0];
+        let leaves = self.side * piece.speed > 0.0;
+        let passes = if leaves {
+            from <= 0.0 && 0.0 < to || active && from == 0.0
+        } else {
+            0.0 < from && (to < 0.0 || to == 0.0 && !active)
+        };
         passes.then(|| Crossing {
             // The time at which a front starts or ends here is known exactly.
             time: match (from == 0.0, to == 0.0) {
                 (true, _) => start,
                 (_, true) => end,
-                _ => start + (self.x - piece.x[0]) / length * (end - start),
+                _ => start + (self.x - piece.x[0]) / (piece.x[1] - piece.x[0]) * (end - start),
             },
             leaves,
-            speed: (length / (end - start)).abs(),
+            speed: piece.speed.abs(),
             after: after(),
         })
     }

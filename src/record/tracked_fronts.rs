@@ -17,6 +17,10 @@ const SAME_LEVEL: f64 = 1e-9;
 /// The same tolerance for the fan of a striking body, which the bar slows down in the first step.
 const SLOWED_LEVEL: f64 = 1e-4;
 
+/// Duration, relative to the present time, up to which a front has only just started: the distance that it has travelled
+/// consists of rounding.
+const JUST_STARTED: f64 = 1e-9;
+
 /// Largest number of rows of `/paths`, about 100 MB.
 const MOST_PATHS: usize = 2_000_000;
 
@@ -73,7 +77,7 @@ fn continues(piece: &FrontSegment, before: &FrontSegment) -> bool {
     let same = |a: f64, b: f64| (a - b).abs() <= SAME_LEVEL * (a.abs() + b.abs());
     piece.t[0] == before.t[1]
         && piece.x[0] == before.x[1]
-        && same(speed(piece), speed(before))
+        && same(piece.speed, before.speed)
         && same(piece.ahead.stress, before.ahead.stress)
         && same(piece.behind.stress, before.behind.stress)
 }
@@ -85,7 +89,7 @@ fn is_edge(bar: &FrontTracking, initial_fan: &InitialFan, edge: &Edge, piece: &F
     let same = |found: f64, theory: f64| (found - sign * theory).abs() <= level * bar.stress_scale();
     piece.t[0] == 0.0
         && piece.segment == initial_fan.segment
-        && (piece.x[1] - piece.x[0]) * initial_fan.direction > 0.0
+        && piece.speed * initial_fan.direction > 0.0
         && (piece.x[0] - initial_fan.x).abs() <= SAME_LEVEL * initial_fan.x.abs()
         && same(piece.ahead.stress, edge.stress_ahead)
         && same(piece.behind.stress, edge.stress_behind)
@@ -100,7 +104,7 @@ fn edge_row(initial_fan: &InitialFan, edge: &Edge, piece: Option<&FrontSegment>,
         stress_behind: sign * edge.stress_behind,
         stress_ahead: sign * edge.stress_ahead,
         speed: initial_fan.direction * edge.speed,
-        speed_measured: piece.map_or(f64::NAN, speed),
+        speed_measured: piece.map_or(f64::NAN, measured_speed),
         position: piece.map_or(f64::NAN, |t| t.x[1]),
         last_seen: piece.map_or(f64::NAN, |t| t.t[1]),
         load_held_until: initial_fan.holds_until,
@@ -111,15 +115,14 @@ fn edge_row(initial_fan: &InitialFan, edge: &Edge, piece: Option<&FrontSegment>,
 fn front_row(bar: &FrontTracking, piece: &FrontSegment, gauges: &[(String, f64)]) -> FrontRow {
     let medium = bar.medium(piece.segment);
     let (ahead, behind) = (&piece.ahead, &piece.behind);
-    let measured = speed(piece);
     FrontRow {
         origin: INTERIOR.into(),
         strain_behind: medium.strain(behind),
         strain_ahead: medium.strain(ahead),
         stress_behind: behind.stress,
         stress_ahead: ahead.stress,
-        speed: medium.front_speed(ahead, behind).copysign(measured),
-        speed_measured: measured,
+        speed: medium.front_speed(ahead, behind).copysign(piece.speed),
+        speed_measured: measured_speed(piece),
         position: piece.x[1],
         last_seen: piece.t[1],
         load_held_until: f64::NAN,
@@ -128,8 +131,9 @@ fn front_row(bar: &FrontTracking, piece: &FrontSegment, gauges: &[(String, f64)]
 }
 
 /// Returns the speed, m/s, positive in +x; NaN for a front that has only just started.
-fn speed(piece: &FrontSegment) -> f64 {
-    (piece.x[1] - piece.x[0]) / (piece.t[1] - piece.t[0])
+fn measured_speed(piece: &FrontSegment) -> f64 {
+    let ([from, to], [start, end]) = (piece.x, piece.t);
+    if end - start <= JUST_STARTED * end { f64::NAN } else { (to - from) / (end - start) }
 }
 
 /// Returns the time at which a front passed a place, s; NaN if it did not.
@@ -178,7 +182,7 @@ fn row(piece: &FrontSegment) -> PathRow {
         x1: piece.x[1],
         t1: piece.t[1],
         stress_jump: piece.behind.stress - piece.ahead.stress,
-        speed: speed(piece),
+        speed: piece.speed,
     }
 }
 
@@ -189,7 +193,7 @@ mod tests {
 
     fn piece(from: f64, to: f64) -> FrontSegment {
         let behind = Point { stress: -1e6, ..Point::default() };
-        FrontSegment { x: [0.0, to - from], t: [from, to], segment: 0, ahead: Point::default(), behind }
+        FrontSegment { x: [0.0, to - from], t: [from, to], speed: 1.0, segment: 0, ahead: Point::default(), behind }
     }
 
     #[test]
@@ -213,6 +217,8 @@ mod tests {
         let piece = FrontSegment { x: [0.5, 0.25], t: [1.0, 2.0], ..piece(0.0, 1.0) };
         assert_eq!((arrival(&piece, 0.375), arrival(&piece, 0.25)), (1.5, 2.0));
         assert!(arrival(&piece, 0.6).is_nan() && arrival(&piece, 0.2).is_nan());
-        assert_eq!(speed(&piece), -0.25);
+        assert_eq!(measured_speed(&piece), -0.25);
+        let newborn = FrontSegment { x: [0.5, 0.5 + 1e-16], t: [1.0, 1.0 + 1e-15], ..piece };
+        assert!(measured_speed(&newborn).is_nan());
     }
 }

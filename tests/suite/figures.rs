@@ -91,6 +91,33 @@ fn a_joint_that_carries_no_force_has_no_impulse() {
     }
 }
 
+/// A striker bar separates from a longer one after 2 L/c0 = 200 us, with e = L/(1 m). Later waves are reflected by the open faces every 200 us. A
+/// front that starts there at the very end time must not hide that the joint has released, and it has no measured speed yet.
+#[test]
+fn a_wave_at_an_open_joint_at_the_end_time_leaves_the_joint_released() {
+    let material = "{ density = 8000, modulus = 2e11, beyond = \"extend\", curve = { table = [[0.1, 2e10]] } }";
+    let segment = |length: f64, more: &str| {
+        format!("[[bar.segment]]\nlength = {length}\narea = {AREA:e}\nmaterial = {material}\n{more}\n")
+    };
+    let bar = segment(0.5, "velocity = 10\njoint = \"contact\"") + &segment(1.0, "");
+    for until in ["400 us", "600 us", "700 us", "800 us", "1000 us", "1200 us"] {
+        let solve = format!("[solve]\nuntil = \"{until}\"\nmethod = \"moc\"\n");
+        let ends = format!("[left]\n{FREE}\n[right]\n{FREE}\n");
+        let whole = whole_summary(until, &(bar.clone() + &ends + &solve), &[]);
+        let joint = &whole["figures"]["joints"]["1"];
+        assert_near(until, &joint["time_of_release_s"], 2e-4, 1e-12);
+        assert_near(until, &joint["contact_duration_s"], 2e-4, 1e-12);
+        assert_near(until, &joint["restitution"], 0.5, ROUNDING);
+        assert_near(until, &joint["left_velocity_after_m_s"], 0.0, ROUNDING);
+        assert_near(until, &joint["right_velocity_after_m_s"], 5.0, ROUNDING);
+        for front in whole["fronts"].as_array().expect("fronts") {
+            let speed = front["speed_m_s"].as_f64().expect("a speed");
+            let same = |measured: f64| (measured / speed - 1.0).abs() < 1e-6;
+            assert!(front["speed_measured_m_s"].as_f64().is_none_or(same), "{until}: {front}");
+        }
+    }
+}
+
 /// Every method gives the stress on the section to the left of a joint, also behind a taper, whose pieces have other sections.
 #[test]
 fn joints_in_torsion_show_the_stress_to_their_left_by_every_method() {

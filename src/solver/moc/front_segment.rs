@@ -11,6 +11,8 @@ pub struct FrontSegment {
     pub x: [f64; 2],
     /// Times of its start and end, s.
     pub t: [f64; 2],
+    /// Speed, m/s, positive in +x.
+    pub speed: f64,
     /// Index of the segment in which it runs.
     pub segment: usize,
     /// State ahead of it.

@@ -31,6 +31,7 @@ impl FrontTracking {
         FrontSegment {
             x: [node.x, node.at(self.now).clamp(first, last)],
             t: [node.t, self.now],
+            speed: node.speed,
             segment: node.segment as usize,
             ahead,
             behind,

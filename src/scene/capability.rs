@@ -363,12 +363,14 @@ pub(super) fn all_go_together(document: &Document, raw_bar: &RawBar, effects: &R
     Ok(())
 }
 
-/// Keys that a bar scene does not have but that name a known feature: the key, the feature, and the alternative.
+/// Keys that a bar scene does not have but that name a known feature: the key, the reason, and the alternative.
 #[rustfmt::skip]
 const ELSEWHERE: &[(&str, &str, &str)] = &[
-    ("striker", "a striking body of its own",
+    ("striker", "this version does not simulate a striking body of its own",
      "give an end kind = \"striker\" with mass and velocity, or join two segments with joint = \"contact\""),
-    ("solve.viscosity", "artificial viscosity", "remove it"),
+    ("solve.viscosity", "artificial viscosity is part of the scheme and has no key",
+     "remove it: leapfrog adds artificial viscosity by itself, and only where shocks can form (curves that stiffen or are followed both ways); \
+      scheme = \"muscl\" and method = \"moc\" need none"),
 ];
 
 /// Replaces the error "unknown key" by an explanation if the key is in [`ELSEWHERE`], or if it is `striker` in a scene without anything that it
@@ -381,8 +383,8 @@ pub(super) fn not_a_key(error: Error, has_bar: bool) -> Error {
         return InputError { message: "the scene does not say what is struck".into(), ..error }.help(help).into();
     }
     let word = ELSEWHERE.iter().find(|(key, ..)| *key == error.key && error.message.starts_with("unknown key"));
-    let Some((_, what, help)) = word else { return error.into() };
-    InputError { message: format!("this version does not simulate {what}"), ..error }.help(*help).into()
+    let Some((_, why, help)) = word else { return error.into() };
+    InputError { message: (*why).to_owned(), ..error }.help(*help).into()
 }
 
 /// Returns the table of the guide in Markdown: the heading, and one line per feature.

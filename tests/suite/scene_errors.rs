@@ -450,6 +450,13 @@ const CASES: &[Case] = &[
         "right.bar-poisson",
         &["`bar-poisson` is missing", "a plain number"],
     ),
+    case(
+        "cells = 1000",
+        "cells = 1000\nviscosity = { linear = 0.1, quadratic = 1 }",
+        "viscosity",
+        "solve.viscosity",
+        &["artificial viscosity is part of the scheme", "leapfrog adds", "only where shocks can form"],
+    ),
     // Words for effects that are not supported: refused by name, with an alternative.
     // Keys of another method, and what front tracking does not support.
     case(

@@ -60,8 +60,7 @@ pub struct Summary {
     pub ledger: LedgerSummary,
     /// Error against a reference, if there is one.
     pub error: Option<ErrorFigure>,
-    /// Errors of all measures; absent if they were neither measured nor estimated.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Errors of all measures; null if they were neither measured nor estimated.
     pub errors: Option<ErrorTable>,
     /// Reasons for the method and resolution; absent if the scene specifies them.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -35,7 +35,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-const KEYS: [&str; 22] = [
+const KEYS: [&str; 23] = [
     "scene",
     "outcome",
     "method",
@@ -56,6 +56,7 @@ const KEYS: [&str; 22] = [
     "elastic_check",
     "ledger",
     "error",
+    "errors",
     "audit",
     "notes",
 ];

@@ -207,9 +207,33 @@ fn too_large(shown: &str, size: &str) -> InputError {
         .help(TOO_LARGE)
 }
 
+/// First bytes of every HDF5 file.
+pub const HDF5_SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
+/// Returns the first bytes of a file, as many as the signature of HDF5 has.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn signature(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    File::open(path)?.take(HDF5_SIGNATURE.len() as u64).read_to_end(&mut start)?;
+    Ok(start)
+}
+
+/// Returns true if the path is a regular file that starts with the signature of HDF5.
+pub fn is_hdf5(path: &Path) -> bool {
+    path.is_file() && signature(path).is_ok_and(|start| start == HDF5_SIGNATURE)
+}
+
 fn decode(bytes: Vec<u8>, shown: &str) -> Result<String, InputError> {
     if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
         return Err(InputError::new(format!("`{shown}` is UTF-16 text, not UTF-8")).help("save the file as UTF-8"));
+    }
+    if bytes.starts_with(&HDF5_SIGNATURE) {
+        let message = format!("`{shown}` is an HDF5 file, not a text file");
+        return Err(
+            InputError::new(message).help("name a text file; `barwave report` and `barwave compare` read result files")
+        );
     }
     let line_of = |bytes: &[u8]| bytes.split(|&b| b == b'\n').count();
     if let Some(at) = bytes.iter().position(|&b| b == 0) {

@@ -7,9 +7,9 @@ use serde_json::json;
 use super::summary::note_lines;
 use super::{message, output, settings};
 use crate::error::{Error, InputError, Result};
-use crate::input::Document;
+use crate::input::{Document, FileKind};
 use crate::material;
-use crate::scene::{KINDS, Problem};
+use crate::scene::Problem;
 use crate::study::sweep::Sweep;
 use crate::units::System;
 
@@ -21,18 +21,6 @@ pub(crate) struct Args {
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }
-
-/// Kind of a file.
-enum Kind {
-    Scene,
-    Material,
-    Sweep,
-}
-
-/// Keys that only a scene has at its top level.
-const OF_A_SCENE: [&str; 7] = ["striker", "bar", "left", "right", "effects", "solve", "record"];
-/// Keys that only a material has at its top level.
-const OF_A_MATERIAL: [&str; 4] = ["density", "curve", "modulus", "source"];
 
 /// Checks every file, even if others have errors. All errors but the last are printed here; the last one is returned and sets the exit code.
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -60,40 +48,44 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn check(file: &Path) -> Result<(&'static str, Vec<String>)> {
     let document = Document::read_scene(file)?;
     match kind(&document)? {
-        Kind::Scene => {
+        FileKind::Scene => {
             let notes = match Problem::of_document(&document, file, &[])? {
                 Problem::Bar(scene) => scene.notes(),
                 Problem::Impact(scene) => scene.notes(),
             };
             Ok(("scene", notes))
         }
-        Kind::Sweep => {
+        FileKind::Sweep => {
             let sweep = Sweep::of_document(&document, file)?;
             sweep.problem(0)?;
             Ok(("sweep", Vec::new()))
         }
-        Kind::Material => {
+        FileKind::Material => {
             let material = material::file::of_document(&document, file)?;
             Ok(("material", material.notes()))
         }
     }
 }
 
-fn kind(document: &Document) -> Result<Kind> {
-    let parsed = document.parsed()?;
-    if parsed.has("sweep") {
-        return Ok(Kind::Sweep);
-    }
-    let has = |keys: &[&str]| keys.iter().any(|key| parsed.has(key));
-    let impact = KINDS.iter().any(|kind| parsed.has(kind.key));
-    match (impact || has(&OF_A_SCENE), has(&OF_A_MATERIAL)) {
-        (true, _) => Ok(Kind::Scene),
-        (false, true) => Ok(Kind::Material),
-        (false, false) => {
-            let message = format!("`{}` is neither a scene nor a material", document.file);
-            let help = "a scene has [bar], [left], [right] and [solve]; a material has density and [curve]; \
-                        `barwave new NAME` writes a template";
-            Err(InputError::new(message).help(help).into())
+fn kind(document: &Document) -> Result<FileKind> {
+    FileKind::of(&document.parsed()?).ok_or_else(|| {
+        let message = format!("`{}` is neither a scene nor a material", document.file);
+        let help = "a scene has [bar], [left], [right] and [solve]; a material has density and [curve]; \
+                    `barwave new NAME` writes a template";
+        InputError::new(message).help(help).into()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::KINDS;
+
+    #[test]
+    fn every_impact_is_a_scene() {
+        for impact in &KINDS {
+            let document = Document::new("test.toml", format!("[{}]\n", impact.key));
+            assert_eq!(kind(&document).expect("a kind"), FileKind::Scene, "{}", impact.key);
         }
     }
 }

@@ -33,7 +33,9 @@ pub(super) fn show_usage(error: &clap::Error) {
     let lines = text.lines().take_while(|line| !line.trim().is_empty()).map(str::trim);
     let message = lines.collect::<Vec<_>>().join(" ").trim_start_matches("error: ").to_owned();
     let code = u8::try_from(error.exit_code()).unwrap_or(1);
-    let help = Some("`barwave --help` lists the commands, `barwave COMMAND --help` their options".to_owned());
+    let tip = text.lines().find_map(|line| line.trim().strip_prefix("tip: ").map(str::to_owned));
+    let help = "`barwave --help` lists the commands, `barwave COMMAND --help` their options";
+    let help = Some(tip.unwrap_or_else(|| help.to_owned()));
     output::json_note(&Failure { error: Details { message, help, ..Details::of_kind("usage", code) } });
 }
 

@@ -34,6 +34,7 @@ mod width;
 use std::process::ExitCode;
 
 use clap::builder::ValueParser;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand, value_parser};
 
 use crate::error::{InputError, Result};
@@ -123,7 +124,7 @@ pub fn main() -> ExitCode {
     let parsed = with_signs(Cli::command()).color(settings::parser_colors()).try_get_matches();
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
-        Err(error) => return usage(&error),
+        Err(error) => return usage(&with_subcommands(error)),
     };
     match dispatch(&cli) {
         Ok(code) => ExitCode::from(code),
@@ -142,6 +143,21 @@ fn with_signs(command: clap::Command) -> clap::Command {
     };
     let command = command.mut_args(|arg| if is_number(&arg) { arg.allow_hyphen_values(true) } else { arg });
     command.mut_subcommands(with_signs)
+}
+
+/// Adds the subcommands of the command that was given to the error that it has none of this name.
+fn with_subcommands(mut error: clap::Error) -> clap::Error {
+    if error.kind() != ErrorKind::InvalidSubcommand || error.get(ContextKind::SuggestedSubcommand).is_some() {
+        return error;
+    }
+    let top = Cli::command();
+    let given = std::env::args().find_map(|word| top.find_subcommand(word).filter(|command| command.has_subcommands()));
+    if let Some(command) = given {
+        let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+        let tip = format!("`barwave {}` has the subcommands {}", command.get_name(), names.join(", "));
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
 }
 
 /// Prints help, the version, or a usage error, and returns the exit code.

@@ -117,7 +117,7 @@ fn one_output_each(args: &Args) -> Result<()> {
 
 /// Runs the scene of a file, or the one stored in a result file. `outputs` are the result files of earlier scenes; that of this scene is added.
 fn run_file(args: &Args, file: &Path, every: Option<Duration>, outputs: &mut Vec<PathBuf>) -> Result<()> {
-    if !store::is_hdf5(file) {
+    if !text_file::is_hdf5(file) {
         let scene = Problem::read(file, &args.overrides)?;
         // The folder of a pipe cannot be written to, and its name is a number.
         let is_pipe = !destination::is_stdout(file) && !file.is_file();

@@ -52,6 +52,10 @@ impl Document {
     fn unknown_key(&self, span: Range<usize>, key: &str, quoted: &[&str]) -> InputError {
         let (unknown, known) = split_first(quoted);
         let known: Vec<&str> = known.iter().copied().filter(|name| !is_deprecated(key, name)).collect();
+        if let Some([found, wanted]) = self.other_kind(&known).filter(|_| !key.contains('.')) {
+            let message = format!("this file is {}, not {}", found.name(), wanted.name());
+            return self.error(span, key, message).help(found.commands());
+        }
         self.key_error(span, key, unknown, &known)
     }
 

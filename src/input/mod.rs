@@ -4,6 +4,7 @@ mod allowed;
 mod deprecated;
 pub mod dimensions;
 mod explain;
+mod kind;
 mod member;
 mod parsed;
 
@@ -17,6 +18,7 @@ use crate::units::{Dimension, Quantity};
 
 pub use allowed::Allowed;
 pub use deprecated::DEPRECATED_KEYS;
+pub use kind::FileKind;
 pub(crate) use member::{Checked, equally_long, finite, member, optional, positive, positive_or_infinite};
 pub use parsed::{GivenKey, Parsed, Table};
 

@@ -142,7 +142,11 @@ fn is_path(name: &str) -> bool {
 
 fn unknown(name: &str, base_dir: &Path) -> InputError {
     let error = InputError::new(format!("unknown material `{name}`")).key("material");
-    if text_file::is_file(&base_dir.join(name)) {
+    let path = base_dir.join(name);
+    if text_file::is_hdf5(&path) {
+        return error.help("this is an HDF5 file; `barwave report` and `barwave compare` read result files");
+    }
+    if text_file::is_file(&path) {
         let help = format!(
             "a material file ends in .toml; of the record of a test, `barwave materials import \"{name}\" --density ...` makes one"
         );

@@ -124,6 +124,46 @@ fn errors_are_json_on_stderr() {
     assert_eq!((code, &error["key"]), (Some(2), &"--json".into()));
 }
 
+#[test]
+fn a_file_in_place_of_a_subcommand_is_answered_with_the_subcommands() {
+    let folder = scenes();
+    for (line, names) in [("invert a.toml", "arrivals, residual-strain, hopkinson"), ("study a.toml", "tension-impact")]
+    {
+        let arguments: Vec<&str> = line.split(' ').collect();
+        let output = barwave(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{line}");
+        assert!(err(&output).contains(&format!("has the subcommands {names}")), "{}", err(&output));
+        let output = barwave(folder.path(), &[&arguments[..], &["--json"]].concat());
+        let error: Value = serde_json::from_str(&err(&output)).expect("JSON");
+        assert!(error["error"]["help"].as_str().is_some_and(|help| help.contains(names)), "{error}");
+    }
+}
+
+#[test]
+fn a_file_of_the_wrong_kind_is_named_with_the_commands_that_read_it() {
+    let folder = scenes();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    write("m.toml", "name = \"m\"\ndensity = 7800\nmodulus = 200e9\n[curve]\ntable = [[0.001, 2e8], [0.1, 4e8]]\n");
+    write("w.toml", "[sweep]\nscene = \"a.toml\"\n[axes]\n\"bar.length\" = [1, 2]\n");
+    assert_eq!(barwave(folder.path(), &["run", "a.toml", "--quiet", "-o", "a.h5"]).status.code(), Some(0));
+    for (line, message, help) in [
+        ("run m.toml", "is a material, not a scene", "`barwave critical`"),
+        ("plan w.toml", "is a sweep file, not a scene", "`barwave sweep`"),
+        ("cost m.toml", "is a material, not a scene", "`barwave compare`"),
+        ("critical a.toml", "is a scene, not a material", "`barwave run`"),
+        ("compare w.toml m.toml", "is a sweep file, not a material", "`barwave sweep`"),
+        ("sweep a.toml -o x", "is a scene, not a sweep file", "`barwave plan`"),
+        ("sweep m.toml -o x", "is a material, not a sweep file", "`barwave critical`"),
+        ("sweep a.h5 -o x", "is an HDF5 file, not a text file", "`barwave report`"),
+        ("critical a.h5", "unknown material `a.h5`", "`barwave report`"),
+    ] {
+        let output = barwave(folder.path(), &line.split(' ').collect::<Vec<_>>());
+        let text = err(&output);
+        assert_eq!((output.status.code(), text.matches("error: ").count()), (Some(2), 1), "{line}: {text}");
+        assert!(text.contains(message) && text.contains("help: ") && text.contains(help), "{line}: {text}");
+    }
+}
+
 /// `--json` may precede the command, and every result states the version of its layout.
 #[test]
 fn results_of_every_command_are_versioned_json() {

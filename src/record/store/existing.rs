@@ -1,6 +1,5 @@
 //! Check of an existing file at the path of a new result file.
 
-use std::io::Read as _;
 use std::path::Path;
 
 use super::attributes::{FORMAT, get_text};
@@ -8,6 +7,7 @@ use super::shared::{NotOpened, SharedFile};
 use super::sweep::SWEEP_FORMAT;
 use crate::destination;
 use crate::error::InputError;
+use crate::text_file::{HDF5_SIGNATURE, signature};
 
 /// Contents of a path before a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,34 +50,15 @@ fn check(path: &Path, format: &str, what: &str, force: bool) -> Result<(), Input
     }
 }
 
-/// First bytes of every HDF5 file.
-const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
-
-fn start(path: &Path) -> std::io::Result<Vec<u8>> {
-    let mut start = Vec::new();
-    std::fs::File::open(path)?.take(SIGNATURE.len() as u64).read_to_end(&mut start)?;
-    Ok(start)
-}
-
-/// Returns true if the file starts with the HDF5 signature.
-pub(super) fn has_signature(path: &Path) -> bool {
-    start(path).is_ok_and(|start| start == SIGNATURE)
-}
-
-/// Returns true if the path is a regular file that starts with the HDF5 signature.
-pub fn is_hdf5(path: &Path) -> bool {
-    path.is_file() && has_signature(path)
-}
-
 /// Returns the contents of a path, given the expected value of `format`.
 fn existing(path: &Path, format: &str) -> Existing {
     if !path.exists() {
         return Existing::Nothing;
     }
     super::recover(path);
-    match start(path) {
+    match signature(path) {
         Ok(start) if start.is_empty() => Existing::Nothing,
-        Ok(start) if start == SIGNATURE => match SharedFile::open(path) {
+        Ok(start) if start == HDF5_SIGNATURE => match SharedFile::open(path) {
             Ok(file) if get_text(&file, "format").is_ok_and(|own| own == format) => Existing::Own,
             Err(NotOpened::Locked) => Existing::InUse,
             _ => Existing::Other,

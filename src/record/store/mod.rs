@@ -66,7 +66,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 pub use checkpoint::{Checkpoint, Rows, checksum, path_of as checkpoint_path, remove as remove_checkpoint};
-pub use existing::{check_output, check_table, is_hdf5};
+pub use existing::{check_output, check_table};
 pub use figures::{StoredFigure, StoredPlace};
 pub use impact::{StoredColumn, StoredImpact, StoredTable, write_impact};
 pub use read::{Gauge, Metadata, ResultFile, StoredScene};

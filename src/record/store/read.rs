@@ -17,7 +17,7 @@ use crate::error::{InputError, Result};
 use crate::material::Provenance;
 use crate::record::{AuditRow, ErrorFigure, ErrorTable, Field, FrontRow, LedgerRow, MaterialRecord, PathRow, Trace};
 use crate::solver::Energies;
-use crate::text_file::NamedFiles;
+use crate::text_file::{self, NamedFiles};
 
 type Hdf<T> = hdf5::Result<T>;
 
@@ -393,7 +393,7 @@ fn cannot_open(path: &Path, why: &NotOpened) -> InputError {
     if said.contains("truncated") {
         return wrong(path, "the file is truncated", "copy it again, or run its scene again");
     }
-    if super::existing::has_signature(path) {
+    if text_file::is_hdf5(path) {
         return wrong(path, "the file is damaged or truncated", "copy it again, or run its scene again");
     }
     wrong(path, "this is not an HDF5 file", "name a result file that `barwave run` wrote")

@@ -284,10 +284,10 @@ fn stress_unit(curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Option<f6
 
 fn table_rows(table: &[TableRow], curve: &RawCurve, name: &str, keys: Keys<'_>) -> Result<Vec<(f64, f64)>> {
     let unit = stress_unit(curve, name, keys)?.unwrap_or(1.0);
+    let key = format!("{name}.table");
     let rows = table.iter().enumerate().map(|(row, TableRow(strain, stress))| {
-        let key = |column: &str| format!("{name}.table.{row}.{column}");
-        let strain = keys.number(strain, &key("strain"), Dimension::None, Allowed::Finite)?;
-        let si = keys.number(stress, &key("stress"), Dimension::Stress, Allowed::Finite)?;
+        let strain = keys.number_in_row(strain, (&key, row, "strain"), Dimension::None, Allowed::Finite)?;
+        let si = keys.number_in_row(stress, (&key, row, "stress"), Dimension::Stress, Allowed::Finite)?;
         let plain = matches!(stress.get_ref(), crate::units::Quantity::Number(_));
         Ok((strain, if plain { si * unit } else { si }))
     });

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use crate::error::{InputError, Result};
+use crate::error::{Error, InputError, Result};
 use crate::input::{Allowed, Document, Number};
 use crate::typed::Key;
 use crate::units::Dimension;
@@ -37,5 +37,19 @@ impl Keys<'_> {
 
     pub(super) fn number(&self, value: &Number, key: &str, dimension: Dimension, allowed: Allowed) -> Result<f64> {
         self.doc.number(value, &self.key(key), dimension, allowed)
+    }
+
+    /// Returns a number in a row of a table, as [`Keys::number`] does; an error also states the row, counted from 1.
+    pub(super) fn number_in_row(
+        &self,
+        value: &Number,
+        (table, row, column): (&str, usize, &str),
+        dimension: Dimension,
+        allowed: Allowed,
+    ) -> Result<f64> {
+        self.number(value, &format!("{table}.{row}.{column}"), dimension, allowed).map_err(|error| match error {
+            Error::Input(e) => InputError { message: format!("row {}: {}", row + 1, e.message), ..e }.into(),
+            other => other,
+        })
     }
 }

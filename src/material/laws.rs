@@ -110,7 +110,7 @@ impl<Raw> LawKeys<Raw> {
         };
         let own = |key: &str| self.constants.iter().any(|constant| constant.key == key);
         if let Some((other, place)) = all.iter().filter_map(|c| c.given(raw)).find(|(key, _)| !own(key)) {
-            let message = format!("is not a constant of {selected}");
+            let message = format!("`{other}` is not a constant of {selected}");
             return Err(error(place, other, message).allowed(self.keys()).into());
         }
         let mut numbers = [0.0; N];

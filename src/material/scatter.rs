@@ -101,9 +101,8 @@ fn test(raw: &RawTest, place: usize, beyond: Beyond, unit: f64, keys: Keys<'_>) 
 
 fn table(rows: &[TableRow], name: &str, unit: f64, keys: Keys<'_>) -> Result<Vec<(f64, f64)>> {
     let row = |(row, TableRow(strain, stress)): (usize, &TableRow)| {
-        let key = |column: &str| format!("{name}.{row}.{column}");
-        let e = keys.number(strain, &key("strain"), Dimension::None, Allowed::NotNegative)?;
-        let s = keys.number(stress, &key("stress"), Dimension::Stress, Allowed::NotNegative)?;
+        let e = keys.number_in_row(strain, (name, row, "strain"), Dimension::None, Allowed::NotNegative)?;
+        let s = keys.number_in_row(stress, (name, row, "stress"), Dimension::Stress, Allowed::NotNegative)?;
         Ok((e, if matches!(stress.get_ref(), Quantity::Number(_)) { s * unit } else { s }))
     };
     rows.iter().enumerate().map(row).collect()

@@ -32,6 +32,16 @@ fn refused(text: &str, words: &[&str]) {
 const TABLE: &str = "density = 7800\nmodulus = \"200 GPa\"\n[curve]\n";
 
 #[test]
+fn a_wrong_number_in_a_table_names_its_row() {
+    for (row, words) in [("nan", "row 2: NaN is not a finite number"), ("\"x\"", "row 2: `x` does not start with")] {
+        refused(
+            &format!("{TABLE}table = [[0.001, 2e8], [0.01, {row}], [0.1, 4e8]]\n"),
+            &[words, "curve.table.1.stress"],
+        );
+    }
+}
+
+#[test]
 fn a_table_with_units() {
     for rows in [
         "table = [[0, 0], [0.001, 2e8], [0.1, 4e8]]",

@@ -608,7 +608,7 @@ const CASES: &[Case] = &[
         "rate = { model = \"malvern\", D = 40 }",
         "malvern",
         "effects.rate.D",
-        &["is not a constant of model = \"malvern\"", "allowed: k"],
+        &["`D` is not a constant of model = \"malvern\"", "allowed: k"],
     ),
     case(
         "cells = 1000",

@@ -194,16 +194,30 @@ pub fn late_fracture(first: &Rupture, modulus: f64) -> Option<AuditRow> {
     is_elastic.then(|| broken(finding))
 }
 
+/// Largest number of decimals of strains in messages; smaller differences are rounding.
+const MOST_DECIMALS: usize = 9;
+
+/// Returns the sentence that a strain is beyond the end of the data, with as many decimals as distinguish the two. A strain that differs only by
+/// rounding is at the end.
+fn beyond_data([strain, end]: [f64; 2], name: &str, sense: &str) -> String {
+    let shown = |decimals: usize| [strain, end].map(|value| std::format!("{value:.decimals$}"));
+    let differ = |[strain, end]: &[String; 2]| strain != end;
+    match (4..=MOST_DECIMALS).map(shown).find(differ) {
+        Some([strain, end]) => {
+            std::format!("strain {strain} is beyond the end of the data of {name} in {sense} ({end})")
+        }
+        None => std::format!("strain {strain:.4} reaches the end of the data of {name} in {sense} ({end:.4})"),
+    }
+}
+
 /// Returns the reason for which a run stops at a limit of the data of its material, and the remedy.
 pub fn at_limit(reached: &Reached, material: &Material) -> (String, &'static str) {
     match reached.limit {
         Limit::EndOfData(sense) | Limit::EndOfDataReversed(sense) => (
-            std::format!(
-                "strain {:.4} is beyond the end of the data of {} in {} ({:.4})",
-                reached.equivalent,
-                material.name,
+            beyond_data(
+                [reached.equivalent, material.branch(sense).last_strain()],
+                &material.name,
                 if material.loading == Loading::Shear { "shear" } else { sense.name() },
-                material.branch(sense).last_strain()
             ),
             "extend the stress-strain data (for a formula, a larger `to-strain`), or set `beyond = \"rupture\"` or \
              `beyond = \"extend\"` in the material",

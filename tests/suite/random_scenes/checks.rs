@@ -126,7 +126,7 @@ fn strain_of_stop(reason: &str) -> Option<f64> {
     if reason.contains("fully compressed") {
         return Some(1.0);
     }
-    let last = reason.contains("beyond the end of the data").then(|| reason.rsplit('(').next())??;
+    let last = reason.contains("the end of the data").then(|| reason.rsplit('(').next())??;
     last.trim_end_matches([')', '.']).parse().ok()
 }
 

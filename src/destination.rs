@@ -63,14 +63,23 @@ pub fn cannot_write(path: &Path, error: &std::io::Error) -> Error {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "a file stands where a folder is needed",
         ErrorKind::PermissionDenied => "permission denied",
         ErrorKind::ReadOnlyFilesystem => "the file system is read-only",
-        ErrorKind::StorageFull => {
-            let (reason, help) =
-                ("cannot write it: no space is left on the disk", "make room there, or choose another disk");
-            return Error::File { path: path.to_owned(), reason: reason.to_owned(), help: help.to_owned() };
-        }
+        ErrorKind::StorageFull => "no space is left on the disk",
+        ErrorKind::QuotaExceeded => "the disk quota is used up",
+        ErrorKind::FileTooLarge => "the file has reached the largest size allowed (ulimit -f)",
         _ => return Error::file(path, format!("cannot write it: {error}")),
     };
-    Error::file(path, format!("cannot write it: {reason}"))
+    let help = match error.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "make room there, or choose another disk",
+        ErrorKind::FileTooLarge => "raise the limit, or choose a smaller output",
+        _ => "choose a folder in which files may be written",
+    };
+    Error::File { path: path.to_owned(), reason: format!("cannot write it: {reason}"), help: help.to_owned() }
+}
+
+/// Returns the error for standard output that cannot be written.
+pub fn cannot_print(error: &std::io::Error) -> Error {
+    let help = "redirect the output to a file on a disk with room";
+    Error::File { path: PathBuf::from("stdout"), reason: error.to_string(), help: help.to_owned() }
 }
 
 /// Writes a file under a temporary name and then renames it, so that the final name never holds an incomplete file. Missing folders are created;
@@ -85,7 +94,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
         // A reader that has closed the pipe is not an error.
         return written.or_else(|e| match e.kind() {
             ErrorKind::BrokenPipe => Ok(()),
-            _ => Err(cannot_write(path, &e)),
+            _ => Err(cannot_print(&e)),
         });
     }
     make_folder(path)?;

@@ -24,7 +24,7 @@ pub(crate) fn text(text: &str) -> Result<()> {
 pub(crate) fn bytes(bytes: &[u8]) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::file(Path::new("stdout"), e)),
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(destination::cannot_print(&e)),
         _ => Ok(()),
     }
 }

@@ -74,7 +74,11 @@ fn try_all(cases: &[&'static HardCase], shows: bool) -> Result<Vec<Tried>> {
         for method in Method::ALL {
             let mut progress =
                 |_| if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-            let one = run_case(case, method, folder.path(), &mut progress)?;
+            let one = run_case(case, method, folder.path(), &mut progress).inspect_err(|error| {
+                if matches!(error, Error::Interrupted) {
+                    output::remark("interrupted: nothing is kept\n");
+                }
+            })?;
             if shows {
                 output::text(&line(&one))?;
             }

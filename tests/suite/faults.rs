@@ -104,7 +104,7 @@ fn a_full_device_as_output_is_one_error() {
             let error: serde_json::Value = serde_json::from_slice(&output.stderr).expect("one JSON object");
             assert_eq!((output.status.code(), &error["error"]["file"]), (Some(1), &"stdout".into()), "{error}");
         } else {
-            assert_fails(&output, 1, &["stdout: No space left on device"]);
+            assert_fails(&output, 1, &["stdout: No space left on device", "\nhelp: redirect the output"]);
         }
         // If stderr is full as well, no message can be written.
         let _ = std::fs::remove_file(folder.path().join("fresh.toml"));

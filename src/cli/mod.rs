@@ -6,6 +6,7 @@ mod compare_results;
 mod cost;
 mod critical;
 mod details;
+mod file_limit;
 mod impact;
 mod impact_cost;
 mod interrupt;
@@ -118,6 +119,7 @@ enum Command {
 /// Runs the command line of this process and returns its exit code.
 pub fn main() -> ExitCode {
     settings::read(std::env::args_os());
+    file_limit::report_as_error();
     if settings::verbose() {
         details::show();
     }

@@ -39,6 +39,9 @@ pub(crate) struct Args {
     /// Print a JSON list and nothing else.
     #[arg(long)]
     json: bool,
+    /// Overwrite an existing output file that barwave did not write.
+    #[arg(long)]
+    force: bool,
     /// Units of the printed table and the figure of materials; CSV and JSON are in SI units.
     #[arg(long, value_name = "si|us", default_value = "si", hide_possible_values = true)]
     units: System,
@@ -53,7 +56,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         })?;
     }
     output::check(args.json, [args.output.as_deref()])?;
-    if let Some(files) = results(&args.names)? {
+    let files = results(&args.names)?;
+    if let Some(path) = &args.output {
+        let heading = if files.is_some() { compare_results::HEADING } else { HEADING };
+        output::check_replaced(path, Some(heading), args.force)?;
+    }
+    if let Some(files) = files {
         if args.units == System::Us {
             let error = InputError::new("results are compared in SI units").key("--units").allowed("si");
             return Err(error.help("leave it out; `barwave report --units us` shows each result").into());
@@ -146,9 +154,12 @@ fn table(compared: &[Compared], units: System) -> String {
     output::table(&headings, &rows, 1, true)
 }
 
+/// First line of the table of materials.
+const HEADING: &str = "material,strain,stress_Pa,wave_speed_m_s,impact_velocity_m_s\n";
+
 /// Returns the curves as CSV, one row for each knot: material, strain, stress, wave speed, impact velocity; a cell without a value is empty.
 fn csv(compared: &[Compared]) -> String {
-    let mut text = String::from("material,strain,stress_Pa,wave_speed_m_s,impact_velocity_m_s\n");
+    let mut text = HEADING.to_owned();
     let cell = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
     for m in compared {
         for p in &m.curve {

@@ -90,11 +90,13 @@ fn row(name: &str, units: &str, norms: Norms, at: String) -> Vec<String> {
     cells
 }
 
+/// First line of the table of differences.
+pub(super) const HEADING: &str =
+    "file,what,unit,l1,l1_relative,l2,l2_relative,max,max_relative,largest_at_x_m,largest_at_time_s\n";
+
 /// Returns the norms of the differences of each field and history as CSV, with the position of the largest difference.
 fn csv(differences: &[Difference]) -> String {
-    let mut text = String::from(
-        "file,what,unit,l1,l1_relative,l2,l2_relative,max,max_relative,largest_at_x_m,largest_at_time_s\n",
-    );
+    let mut text = HEADING.to_owned();
     for difference in differences {
         let mut line = |what: &str, units: &str, norms: Norms, x: Option<f64>, time: f64| {
             let relative = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());

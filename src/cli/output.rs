@@ -11,6 +11,7 @@ use super::{settings, width};
 use crate::destination;
 use crate::error::{Error, InputError, Result};
 use crate::record::store;
+use crate::report::is_own;
 
 /// Writes text to stdout, wrapped at its width. A closed pipe (`barwave ... | head`) is not an error.
 pub(crate) fn text(text: &str) -> Result<()> {
@@ -127,6 +128,16 @@ pub(crate) fn check<'a>(json: bool, files: impl IntoIterator<Item = Option<&'a P
     }
     let error = InputError::new("two outputs cannot both go to standard output (`-`, --json)");
     Err(error.help("name a file for one of them").into())
+}
+
+/// Refuses a figure or table at a path with a file that this program did not write; `force` allows it. Tables start with the line `heading`.
+pub(crate) fn check_replaced(path: &Path, heading: Option<&str>, force: bool) -> Result<()> {
+    if force || destination::is_stdout(path) || !path.exists() || is_own(path, heading) {
+        return Ok(());
+    }
+    let error =
+        InputError::new(format!("`{}` exists already and was not written by barwave", path.display())).key("-o");
+    Err(error.help("name another file with -o, or overwrite it with --force").into())
 }
 
 /// Writes text to stdout, or to stderr if one of the outputs goes to stdout.

@@ -37,6 +37,9 @@ pub(crate) struct Args {
     /// Units of the report.
     #[arg(long, value_enum, default_value_t = System::Si)]
     units: System,
+    /// Overwrite an existing output file that barwave did not write.
+    #[arg(long)]
+    force: bool,
 }
 
 /// Library arguments that are set by command-line options.
@@ -53,6 +56,7 @@ fn write(args: &Args) -> Result<()> {
     let path = args.output.clone().unwrap_or_else(|| args.file.with_extension("svg"));
     let format = options::picture(&path, "-o")?;
     output::check(settings::json(), [Some(path.as_path())])?;
+    output::check_replaced(&path, None, args.force)?;
     let units = match args.units {
         System::Si => Units::Si,
         System::Us => Units::Us,

@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 
 use libdeflater::{CompressionLvl, Compressor};
 use pdf_writer::types::LineJoinStyle;
-use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref};
+use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use tiny_skia::{LineJoin, Path, PathSegment, Pixmap, Point, PremultipliedColorU8};
 
 use super::canvas::{self, Canvas, Line, Reason};
 use super::drawing::{Area, Picture};
+use super::origin::PROGRAM;
 
 /// Points per px of 1/96 inch.
 const POINTS: f32 = 0.75;
@@ -145,6 +146,7 @@ impl Page {
         let image = |index: usize| Ref::new(5 + index as i32);
         let mut pdf = Pdf::new();
         pdf.catalog(catalog).pages(pages);
+        pdf.document_info(image(self.images.len())).producer(TextStr(PROGRAM));
         pdf.pages(pages).kids([page]).count(1);
         let mut written = pdf.page(page);
         written.media_box(Rect::new(0.0, 0.0, width, height)).parent(pages).contents(contents);

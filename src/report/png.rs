@@ -6,6 +6,7 @@ use tiny_skia::{
 
 use super::canvas::{self, Canvas, Line, Reason, rect};
 use super::drawing::{Area, Picture};
+use super::origin::PROGRAM;
 
 impl Picture {
     /// Returns the picture as a PNG file with `scale` pixels per px of the drawing.
@@ -18,8 +19,18 @@ impl Picture {
         let mut canvas = Sheet { pixels, scale: Transform::from_scale(scale, scale), clips: Vec::new() };
         canvas.pixels.fill(Color::WHITE);
         canvas::draw(self, &mut canvas)?;
-        canvas.pixels.encode_png().map_err(|e| e.to_string())
+        canvas.pixels.encode_png().map(with_origin).map_err(|e| e.to_string())
     }
+}
+
+/// Adds the text chunk that names the program to a PNG file, behind its signature (8 bytes) and header chunk (25 bytes).
+fn with_origin(mut png: Vec<u8>) -> Vec<u8> {
+    let text = [b"tEXtSoftware\0", PROGRAM.as_bytes()].concat();
+    // The length of a chunk does not include its type, of four bytes.
+    let length = (text.len() - 4) as u32;
+    let chunk = [&length.to_be_bytes(), &text[..], &libdeflater::crc32(&text).to_be_bytes()].concat();
+    png.splice(33..33, chunk);
+    png
 }
 
 struct Sheet {

@@ -6,6 +6,7 @@ use super::drawing::{
     Anchor, Area, EDGE, Element, INK, Note, PAPER, Picture, Shape, Stroke, Text, TextStyle, is_finite,
 };
 use super::html::escape;
+use super::origin::PROGRAM;
 
 /// Preferred fonts, the first being that of PNG and PDF; none is wider than [`text_width`](super::drawing::text_width) assumes.
 const FONT: &str = "DejaVu Sans, Liberation Sans, Arial, Helvetica, sans-serif";
@@ -20,7 +21,7 @@ impl Picture {
         let (Self { width, height, .. }, body) = (self, writer.text);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
-             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"{FONT}\" fill=\"{INK}\">\n\
+             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"{FONT}\" fill=\"{INK}\" data-generator=\"{PROGRAM}\">\n\
              <rect width=\"100%\" height=\"100%\" fill=\"{PAPER}\"/>\n{body}</svg>\n"
         )
     }

@@ -300,6 +300,68 @@ fn a_file_that_may_not_grow_keeps_its_frames() {
     );
 }
 
+/// The same of figures: one error, and no file under the temporary name.
+#[test]
+fn a_figure_that_may_not_grow_leaves_nothing() {
+    let folder = folder();
+    assert!(barwave(folder.path(), &["run", "s.toml", "--quiet", "-o", "a.h5"]).status.success());
+    let script = format!("ulimit -f 8; exec '{}' report a.h5 -o a.svg", env!("CARGO_BIN_EXE_barwave"));
+    let output = Command::new("bash").args(["-c", &script]).current_dir(folder.path()).output().expect("bash");
+    assert_fails(&output, 1, &["a.svg: cannot write it: ", "largest size allowed", "\nhelp: raise the limit"]);
+    let left = std::fs::read_dir(folder.path()).expect("a folder").flatten().map(|entry| entry.file_name());
+    assert!(!left.into_iter().any(|name| name.to_string_lossy().contains("svg")));
+}
+
+#[test]
+fn a_place_where_nothing_may_be_written_is_an_error_with_help() {
+    let folder = folder();
+    // /proc refuses new files to every user.
+    let output = barwave(folder.path(), &["new", "/proc/barwave/a"]);
+    assert_fails(&output, 1, &["cannot write it: ", "\nhelp: choose a folder in which files may be written"]);
+}
+
+#[test]
+fn interrupted_hard_cases_say_so() {
+    use std::io::{BufRead as _, BufReader, Read as _};
+    let folder = folder();
+    let mut command = program(folder.path(), &["stability"]);
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
+    // The first run has ended, and later ones take seconds.
+    let mut lines = BufReader::new(child.stdout.take().expect("a pipe"));
+    lines.read_line(&mut String::new()).expect("a line");
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()), "still under way");
+    let mut text = String::new();
+    child.stderr.take().expect("a pipe").read_to_string(&mut text).expect("text");
+    assert_eq!(child.wait().expect("it ends").code(), Some(130), "{text}");
+    assert!(text.contains("interrupted: nothing is kept"), "{text}");
+}
+
+#[test]
+fn figures_replace_figures_and_nothing_else_unless_forced() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    assert!(barwave(folder.path(), &["run", "s.toml", "--quiet", "-o", "a.h5"]).status.success());
+    let compared = ["compare", "mild-steel", "copper-annealed"];
+    let cases: [(&[&str], &[&str]); 3] = [
+        (&["report", "a.h5"], &["svg", "png", "pdf", "html"]),
+        (&compared, &["svg", "png", "pdf", "html", "csv"]),
+        (&["compare", "a.h5", "a.h5"], &["svg", "csv"]),
+    ];
+    for (arguments, endings) in cases {
+        for ending in endings {
+            let name = format!("{}.{ending}", arguments.concat());
+            std::fs::write(path(&name), "my notes").expect("written");
+            let with = |more: &[&str]| barwave(folder.path(), &[arguments, &["-o", &name], more].concat());
+            assert_fails(&with(&[]), 2, &["exists already and was not written by barwave", "--force"]);
+            assert_eq!(std::fs::read(path(&name)).expect("a file"), b"my notes", "{name}");
+            assert!(with(&["--force"]).status.success(), "{name}");
+            // It is now a figure or table of barwave, which may be replaced.
+            assert!(with(&[]).status.success(), "{name}");
+        }
+    }
+}
+
 /// File system of 6 MB, unmounted when the value is dropped.
 struct SmallDisk<'a>(&'a Path);
 

@@ -427,11 +427,14 @@ fn cheapest_table(cost: &Cost) -> String {
 
 fn effects_table(cost: &Cost) -> String {
     let row = |e: &EffectCost| {
-        let why = e.why.clone().unwrap_or_else(|| format!("{}, {} cells", e.scheme, e.cells));
-        vec![e.effect.clone(), output::fixed(e.ns_per_cell_step, 3), output::fixed(e.ratio_to_none, 2), why]
+        let within = e.ns_per_cell_step.zip(e.ns_spread).is_some_and(|(added, spread)| added.abs() <= spread);
+        let remark = if within { "; not measurable" } else { "" };
+        let why = e.why.clone().unwrap_or_else(|| format!("{}, {} cells{remark}", e.scheme, e.cells));
+        let [added, spread] = [e.ns_per_cell_step, e.ns_spread].map(|ns| output::fixed(ns, 3));
+        vec![e.effect.clone(), added, spread, output::fixed(e.ratio_to_none, 2), why]
     };
     let rows: Vec<_> = cost.effects.iter().map(row).collect();
-    output::table(&["effect", "added ns per cell-step", "ratio to none", "on"], &rows, 1, true)
+    output::table(&["effect", "added ns per cell-step", "spread", "ratio to none", "on"], &rows, 1, true)
 }
 
 fn growth_table(growth: &[Growth]) -> String {

@@ -61,7 +61,7 @@ fn json_has_the_contracts_keys_and_front_tracking_is_exact_where_a_grid_is_not()
     assert!(list(&found, "cheapest").iter().all(|c| c["method"].is_string() && c["step_wall_s"].is_number()));
     let effect = &list(&found, "effects")[0];
     assert_eq!(effect["effect"], "hardening: isotropic");
-    assert!(effect.get("ns_per_cell_step").is_some() && effect.get("ratio_to_none").is_some());
+    assert!(["ns_per_cell_step", "ns_spread", "ratio_to_none"].iter().all(|key| effect.get(key).is_some()));
 }
 
 #[test]

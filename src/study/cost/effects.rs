@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::measure::{self, Timing, Wanted, Watch, timing};
+use super::measure::{self, Timing, Wanted, Watch, interquartile_range, timing};
 use super::refinement::Halt;
 use super::source::{Family, Resolution, Source};
 use crate::scene::{Effects, Scene};
@@ -22,6 +22,8 @@ pub struct EffectCost {
     pub effect: String,
     /// Time per cell-step added by the effect, ns; null if the effect cannot be disabled alone.
     pub ns_per_cell_step: Option<f64>,
+    /// Interquartile range of this time over the pairs of runs with and without the effect, ns. A smaller added time is not measurable.
+    pub ns_spread: Option<f64>,
     /// Ratio of the stepping times with and without the effect.
     pub ratio_to_none: Option<f64>,
     /// Time per cell-step with the effect, ns.
@@ -56,6 +58,7 @@ pub(super) fn effects(
         let none = EffectCost {
             effect,
             ns_per_cell_step: None,
+            ns_spread: None,
             ratio_to_none: None,
             ns_with: None,
             cells: CELLS,
@@ -64,12 +67,13 @@ pub(super) fn effects(
             why: None,
         };
         match one(source, family, key, watch) {
-            Ok((with, without, work)) => {
-                let ns = |timing: Timing| timing.median / work * 1e9;
+            Ok(Pairs { with, without, spread, work }) => {
+                let ns = |seconds: f64| seconds / work * 1e9;
                 costs.push(EffectCost {
-                    ns_per_cell_step: Some(ns(with) - ns(without)),
+                    ns_per_cell_step: Some(ns(with.median) - ns(without.median)),
+                    ns_spread: Some(ns(spread)),
                     ratio_to_none: Some(with.median / without.median),
-                    ns_with: Some(ns(with)),
+                    ns_with: Some(ns(with.median)),
                     spread: Some(with.spread.max(without.spread)),
                     ..none
                 });
@@ -82,8 +86,18 @@ pub(super) fn effects(
     (costs, false)
 }
 
-/// Returns the stepping times with and without an effect, and the cell-steps of a run.
-fn one(source: &Source<'_>, family: &Family, key: &str, watch: &mut Watch<'_>) -> Result<(Timing, Timing, f64), Halt> {
+/// Stepping times of alternating runs with and without an effect.
+struct Pairs {
+    with: Timing,
+    without: Timing,
+    /// Interquartile range of the differences between the two runs of a pair, s.
+    spread: f64,
+    /// Cell-steps of a run.
+    work: f64,
+}
+
+/// Times one effect.
+fn one(source: &Source<'_>, family: &Family, key: &str, watch: &mut Watch<'_>) -> Result<Pairs, Halt> {
     watch.what = format!("cost of {key}");
     let failed = |e: crate::error::Error| Halt::Failed(e.to_string());
     let with = source.at(family.choice, Resolution::Cells(CELLS)).map_err(failed)?;
@@ -109,5 +123,7 @@ fn one(source: &Source<'_>, family: &Family, key: &str, watch: &mut Watch<'_>) -
         on.push(pass.seconds);
         off.push(measure::pass(&without, Wanted::TIME, watch)?.seconds);
     }
-    Ok((timing(on), timing(off), work))
+    let mut added: Vec<f64> = on.iter().zip(&off).map(|(on, off)| on - off).collect();
+    added.sort_by(f64::total_cmp);
+    Ok(Pairs { spread: interquartile_range(&added), with: timing(on), without: timing(off), work })
 }

@@ -144,15 +144,22 @@ pub(super) fn passes(seconds: f64) -> f64 {
 /// Returns the statistics of stepping times.
 pub(super) fn timing(mut times: Vec<f64>) -> Timing {
     times.sort_by(f64::total_cmp);
-    let at = |part: f64| {
-        let place = part * (times.len() - 1) as f64;
-        let below = place.floor() as usize;
-        let above = (below + 1).min(times.len() - 1);
-        times[below] + (place - below as f64) * (times[above] - times[below])
-    };
-    let median = at(0.5);
-    let spread = if median > 0.0 { (at(0.75) - at(0.25)) / median } else { 0.0 };
+    let median = quantile(&times, 0.5);
+    let spread = if median > 0.0 { interquartile_range(&times) / median } else { 0.0 };
     Timing { median, shortest: times[0], spread, repetitions: times.len() }
+}
+
+/// Returns the interquartile range of increasing values.
+pub(super) fn interquartile_range(sorted: &[f64]) -> f64 {
+    quantile(sorted, 0.75) - quantile(sorted, 0.25)
+}
+
+/// Returns the value below which this part of increasing values lies, linearly interpolated.
+fn quantile(sorted: &[f64], part: f64) -> f64 {
+    let place = part * (sorted.len() - 1) as f64;
+    let below = place.floor() as usize;
+    let above = (below + 1).min(sorted.len() - 1);
+    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
 /// A single run of a bar.

@@ -57,8 +57,10 @@ pub(super) fn clean(record: &[(f64, f64)]) -> Cleaned {
     without_outliers(&mut rows, &mut changes);
     let fractured = cut_at_fracture(&mut rows, &mut changes);
     without_unloading(&mut rows, &mut changes);
+    let held = without_held(&mut rows, &mut changes);
     let of_one_strain = sort(&mut rows, &mut changes);
-    Cleaned { rows, of_one_strain, fractured, changes }
+    // A fracture while the strain is held occurs at an unknown strain.
+    Cleaned { rows, of_one_strain, fractured: fractured && !held, changes }
 }
 
 /// Returns "1 row", "2 rows".
@@ -236,6 +238,35 @@ fn without_unloading(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) {
     }
 }
 
+/// The largest strain is held if more than [`HELD_LEAST`] rows have it, and more than this factor times the rows of any other strain. A strain rate
+/// that falls by this factor within one step of rounding is that of a stopped machine.
+const HELD: usize = 4;
+const HELD_LEAST: usize = 10;
+
+/// Removes the rows after the first one with the largest strain if that strain is held: by an extensometer at its limit, while the specimen is
+/// stretched further, or by the machine, while the stress relaxes. Returns true if it is.
+fn without_held(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> bool {
+    let mut strains: Vec<f64> = rows.iter().map(|row| row.0).collect();
+    strains.sort_by(f64::total_cmp);
+    let mut sizes: Vec<usize> = strains.chunk_by(|a, b| a == b).map(<[_]>::len).collect();
+    let (last, most) = (sizes.pop().unwrap_or(0), sizes.iter().copied().max().unwrap_or(0));
+    if last <= HELD_LEAST.max(HELD * most) {
+        return false;
+    }
+    let largest = strains[strains.len() - 1];
+    let first = rows.iter().position(|row| row.0 == largest);
+    let mut place = 0;
+    rows.retain(|row| {
+        place += 1;
+        row.0 < largest || Some(place - 1) == first
+    });
+    changes.push(format!(
+        "{} at the largest strain, {largest:.5}, removed after the first: the extensometer is at its limit, or the strain is held",
+        count(last - 1)
+    ));
+    true
+}
+
 /// Sorts by strain and averages rows of equal strain. Returns the number of rows of each strain.
 fn sort(rows: &mut Vec<(f64, f64)>, changes: &mut Vec<String>) -> Vec<usize> {
     let falling = rows.windows(2).filter(|pair| pair[1].0 < pair[0].0).count();
@@ -259,6 +290,19 @@ mod tests {
 
     fn straight(rows: u32) -> Vec<(f64, f64)> {
         (0..rows).map(|i| (1e-4 * f64::from(i), 1e6 * f64::from(i))).collect()
+    }
+
+    #[test]
+    fn rows_at_the_limit_of_the_extensometer_are_removed() {
+        // 10 MPa per step; the extensometer ends at 40 steps, and the specimen breaks at 90.
+        let strain = |k: u32| 1e-3 * f64::from(k.min(40));
+        let stress = |k: u32| if k < 90 { 10e6 * f64::from(k) } else { 0.0 };
+        let cleaned = clean(&(0..100).map(|k| (strain(k), stress(k))).collect::<Vec<_>>());
+        assert_eq!((cleaned.rows.last(), cleaned.fractured), (Some(&(0.04, 400e6)), false), "{:?}", cleaned.changes);
+        // Rounded strains: 12 rows have each strain, 20 the last one.
+        let rounded: Vec<_> = (0..500_u32).map(|k| (f64::from(k.min(491) / 12), f64::from(k))).collect();
+        let cleaned = clean(&rounded);
+        assert!(cleaned.rows.last().is_some_and(|last| last.1 > 489.0), "{:?}", cleaned.rows.last());
     }
 
     #[test]

@@ -691,6 +691,22 @@ fn the_elastic_part_of_a_short_table_is_fitted_where_its_stresses_are_named() {
     }
 }
 
+/// The force of rows at the limit of the extensometer, up to the fracture, was averaged into the stress at the largest strain: the critical velocity was 6 % too large.
+#[test]
+fn an_extensometer_at_its_limit_ends_the_curve() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = record(&RAMBERG_OSGOOD, &Faults { rows: 900, ..CLEAN });
+    let largest = rows[rows.len() - 1].0;
+    let at_limit: Vec<_> = rows.iter().map(|&(e, s)| (e.min(0.4 * largest), s)).collect();
+    let until: Vec<_> = rows.iter().copied().filter(|row| row.0 <= 0.4 * largest).collect();
+    let options = ["--beyond", "rupture"];
+    let [found, expected] = [&at_limit, &until].map(|rows| import(folder.path(), "a.csv", &csv(rows), &options));
+    let velocity = |found: &Value| number(&found["critical"]["critical_velocity_m_s"]);
+    assert!((velocity(&found) / velocity(&expected) - 1.0).abs() < 3e-3, "{found:#} {expected:#}");
+    let changes = found["records"][0]["reduction"]["changes"].to_string();
+    assert!(changes.contains("the extensometer is at its limit") && !changes.contains("averaged"), "{changes}");
+}
+
 #[test]
 fn wrong_records_are_refused_with_one_clear_error() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use crate::error::{InputError, Result};
 use crate::input::{Document, nearest};
-use crate::units::{Dimension, in_heading, is_like_unit, one};
+use crate::units::{Dimension, in_heading, one, split as split_heading};
 
 /// A cell with its byte range in the text. The decimal mark of numbers is a point.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,10 +105,15 @@ impl Table {
     /// Keeps these two columns of every row and replaces their decimal commas by points.
     ///
     /// # Errors
-    /// A row lacks one of the columns, or the meaning of a comma in a number is ambiguous.
+    /// A row lacks one of the columns or has more cells than the header, or the meaning of a comma in a number is ambiguous.
     pub(crate) fn keep(&mut self, document: &Document, places: [usize; 2]) -> Result<()> {
+        self.within_header(document)?;
         let needed = places[0].max(places[1]);
         for row in &mut self.rows {
+            let empty = places.into_iter().find(|&place| is_empty(document, row, place, self.delimiter));
+            if let Some(place) = empty {
+                return Err(empty_cell(document, row, place, self.header.as_ref()).into());
+            }
             if needed >= row.cells.len() {
                 let message = match row.cells.len() {
                     1 => "this line has only 1 column".into(),
@@ -124,6 +129,13 @@ impl Table {
         self.decimal_commas(document)
     }
 
+    /// Refuses rows with more cells than the header, whose columns have no name: decimal commas split numbers that are separated by commas.
+    fn within_header(&self, document: &Document) -> Result<()> {
+        let Some(wanted) = self.header.as_ref().map(|header| header.cells.len()) else { return Ok(()) };
+        let Some(row) = self.rows.iter().find(|row| row.cells.len() > wanted) else { return Ok(()) };
+        Err(wrong_count(document, row.span.clone(), row.cells.len(), wanted, self.delimiter).into())
+    }
+
     fn decimal_commas(&mut self, document: &Document) -> Result<()> {
         decimal_commas(document, &mut self.rows.iter_mut().flat_map(|row| &mut row.cells).collect::<Vec<_>>())
     }
@@ -131,12 +143,15 @@ impl Table {
     /// Replaces the decimal commas of all rows by points.
     ///
     /// # Errors
-    /// A row does not have the usual number of columns, or the meaning of a comma in a number is ambiguous.
+    /// A row has an empty cell, more cells than the header or not the usual number of them, or the meaning of a comma in a number is ambiguous.
     pub(crate) fn complete(&mut self, document: &Document) -> Result<()> {
+        self.within_header(document)?;
         for row in &self.rows {
-            let filled = row.cells.iter().filter(|cell| !cell.text.is_empty()).count();
-            if row.cells.len() != self.width || filled != self.width {
-                return Err(wrong_count(document, row.span.clone(), filled, self.width, self.delimiter).into());
+            if let Some(place) = (0..self.width).find(|&place| is_empty(document, row, place, self.delimiter)) {
+                return Err(empty_cell(document, row, place, self.header.as_ref()).into());
+            }
+            if row.cells.len() != self.width {
+                return Err(wrong_count(document, row.span.clone(), row.cells.len(), self.width, self.delimiter).into());
             }
         }
         self.decimal_commas(document)
@@ -341,6 +356,23 @@ fn wrong_count(document: &Document, span: Range<usize>, found: usize, wanted: us
     document.error(span, "", message).allowed(format!("{wanted} columns")).help(help)
 }
 
+/// Whether a row has an empty cell in a column. Empty cells at the end of a row are not kept, but their delimiters are in the text.
+fn is_empty(document: &Document, row: &Line, place: usize, delimiter: char) -> bool {
+    let Some(cell) = row.cells.get(place) else {
+        let end = row.cells.last().map_or(row.span.start, |cell| cell.span.end);
+        let rest = document.text.get(end..row.span.end).unwrap_or("");
+        return delimiter != BLANKS && rest.matches(delimiter).count() > place - row.cells.len();
+    };
+    cell.text.is_empty()
+}
+
+fn empty_cell(document: &Document, row: &Line, place: usize, header: Option<&Line>) -> InputError {
+    let name = header.and_then(|header| header.cells.get(place)).map_or("", |cell| cell.text.as_str());
+    let of = if name.is_empty() { format!("column {}", place + 1) } else { format!("column `{name}`") };
+    let error = document.error(row.span.clone(), "", format!("the cell in {of} is empty"));
+    error.allowed("a number in each row").help("remove the line, or fill the cell")
+}
+
 /// Whether a cell is a word as in headers: neither a number nor text that starts like one.
 fn is_name(cell: &str) -> bool {
     !cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,\u{2212}".contains(c)) && cell.parse::<f64>().is_err()
@@ -439,28 +471,19 @@ fn could_be_thousands(text: &str) -> bool {
 /// # Errors
 /// The unit does not have this dimension.
 pub(crate) fn unit_of<'a>(document: &Document, heading: &'a Cell, dimension: Dimension) -> Result<Option<&'a str>> {
-    let Some(unit) = unit(&heading.text, dimension) else { return Ok(None) };
-    let Err(reason) = one(unit, dimension) else { return Ok(Some(unit)) };
-    let (name, example, what) = (name(&heading.text, dimension), dimension.si_symbol(), dimension.describe());
+    let (_, unit) = split_heading(&heading.text);
+    if unit.is_empty() {
+        return Ok(None);
+    }
+    one(unit, dimension).map(|_| Some(unit)).map_err(|reason| wrong_unit(document, heading, dimension, &reason).into())
+}
+
+/// Creates the error for a heading whose unit does not have a dimension.
+pub(crate) fn wrong_unit(document: &Document, heading: &Cell, dimension: Dimension, reason: &str) -> InputError {
+    let (name, example, what) = (split_heading(&heading.text).0, dimension.si_symbol(), dimension.describe());
     let message = format!("in the heading `{}`: {}", heading.text, reason.replace("`1 ", "`"));
     let error = document.error(heading.span.clone(), "", message);
-    Err(error.allowed(format!("a unit of {what}, or none")).help(format!("write e.g. `{name} [{example}]`")).into())
-}
-
-/// Returns a heading without its unit.
-pub(crate) fn name(heading: &str, dimension: Dimension) -> &str {
-    let end = unit(heading, dimension).and_then(|unit| heading.rfind(unit)).unwrap_or(heading.len());
-    heading[..end].trim_end_matches(['[', '(', '_', ' '])
-}
-
-/// Returns the unit in `time [us]`, `time (us)`, `time_us` or `time us`, or the text in brackets in its place. After an underscore or a blank, only
-/// text that looks like a unit counts: it may be a part of the name.
-pub(crate) fn unit(heading: &str, dimension: Dimension) -> Option<&str> {
-    if let Some(open) = heading.find(['[', '(']) {
-        return heading[open + 1..].strip_suffix([']', ')']).map(str::trim).filter(|unit| !unit.is_empty());
-    }
-    let unit = heading.trim().rsplit_once(['_', ' ']).map(|(_, unit)| unit)?;
-    (one(unit, dimension).is_ok() || is_like_unit(unit)).then_some(unit)
+    error.allowed(format!("a unit of {what}, or none")).help(format!("write e.g. `{name} [{example}]`"))
 }
 
 #[cfg(test)]
@@ -481,10 +504,24 @@ mod tests {
         let wide = complete("t [us];a;b\n0,5;1;2\n1,5;3;4\n").expect("it is right");
         let texts: Vec<&str> = wide.rows[1].cells.iter().map(|cell| cell.text.as_str()).collect();
         assert_eq!((texts, wide.header.map(|row| row.cells.len())), (vec!["1.5", "3", "4"], Some(3)));
-        for text in ["1,2,3\n1,2\n", "1,2,3\n1,,3\n"] {
+        for (text, words) in [
+            ("1,2,3\n1,2\n", "a.csv:2: this line has 2 columns (allowed: 3 columns)"),
+            ("1,2,3\n1,,3\n", "a.csv:2: the cell in column 2 is empty"),
+            ("a,b,c\n1,2,3\n1,2,\n", "a.csv:3: the cell in column `c` is empty"),
+            ("a,b,c\n1,5,2,5\n2,5,3,5\n", "a.csv:2: this line has 4 columns (allowed: 3 columns)"),
+        ] {
             let error = complete(text).expect_err(text).to_string();
-            assert!(error.contains("a.csv:2: this line has 2 columns (allowed: 3 columns)"), "{error}");
+            assert!(error.contains(words), "{error}");
         }
+        // Two columns of a wide table, too.
+        let kept = |text: &str| {
+            let document = Document::new("a.csv", text);
+            table(&document).and_then(|mut table| table.keep(&document, [0, 1])).map_err(|error| error.to_string())
+        };
+        assert_eq!(kept("a,b,c\n1,2,\n3,4,\n"), Ok(()));
+        let error = kept("a,b\n1,5,2,5\n2,5,3,5\n").expect_err("decimal commas");
+        assert!(error.contains("this line has 4 columns (allowed: 2 columns)"), "{error}");
+        assert!(kept("a,b,c\n1,2,3\n3,,5\n").is_err_and(|error| error.contains("the cell in column `b` is empty")));
     }
 
     #[test]

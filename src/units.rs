@@ -18,9 +18,8 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 pub use dimension::{Dimension, Measure, measures};
 pub use format::{format, scale_for};
-pub(crate) use heading::in_heading;
+pub(crate) use heading::{in_heading, split};
 pub use magnitude::Magnitudes;
-pub(crate) use parse::is_like_unit;
 pub use scale::Scale;
 pub use sentence::in_units;
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::columns::{self, Cell, Row};
 use crate::error::{InputError, Result};
 use crate::input::Document;
-use crate::units::{Dimension, in_heading};
+use crate::units::{Dimension, in_heading, split};
 
 /// The rows of a CSV file, each with its byte range in the file.
 #[derive(Debug, Clone)]
@@ -98,11 +98,12 @@ pub(super) fn factor(unit: &str, dimension: Dimension) -> std::result::Result<f6
         .map_err(|reason| InputError::new(reason).help("write a unit such as MPa, ksi or psi for stress, % for strain"))
 }
 
-/// Splits `stress_MPa`, `stress (MPa)` or `Stress [MPa]` into ("stress", "MPa").
+/// Splits `stress_MPa`, `stress (MPa)` or `Stress [MPa]` into ("stress", "MPa"). As the names are single words, any other word is meant as a unit.
 fn name_and_unit(title: &str) -> (String, String) {
-    let cut = title.find(['_', '(', '[', '/', ' ']).unwrap_or(title.len());
-    let (name, unit) = title.split_at(cut);
-    let unit = unit.trim_matches(|c: char| "_()[]/ ".contains(c));
+    let separators = ['_', '/', ' '];
+    let (name, unit) = split(title);
+    let (name, unit) =
+        if name.contains(separators) { title.split_once(separators).unwrap_or((name, unit)) } else { (name, unit) };
     (name.to_lowercase(), unit.to_owned())
 }
 

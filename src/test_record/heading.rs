@@ -2,7 +2,7 @@
 
 use crate::input::nearest;
 use crate::material::Measure;
-use crate::units::{Dimension, in_heading};
+use crate::units::{self, Dimension, in_heading};
 
 /// The quantity in a column of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,27 +132,16 @@ pub(super) struct Heading {
     pub unit: String,
 }
 
-/// Splits `Force [kN]`, `stress_MPa`, `Strain (%)`, `Load, N`, `stress/MPa` or `Extension mm` into name and unit. Without brackets, only a known
-/// unit is split off, or a single word after a comma.
+/// Splits a heading into name and unit as [`units::split`] does, and also at a comma before a single word, and in `microstrain`.
 pub(super) fn split(title: &str) -> Heading {
     let title = title.trim();
     // "microstrain" is name and unit in one.
     if title.len() > 1 && !title.contains('/') && size(title, Kind::Strain).is_some_and(|size| size < 1e-2) {
         return Heading { name: "strain".into(), unit: title.into() };
     }
-    if let Some(open) = title.rfind(['(', '[']).filter(|_| title.ends_with([')', ']'])) {
-        let unit = title[open + 1..title.len() - 1].trim();
-        return Heading { name: title[..open].trim_end_matches(['_', ' ', '/', ',']).into(), unit: unit.into() };
-    }
-    for separator in [',', '_', ' ', '/'] {
-        if let Some((name, unit)) = title.rsplit_once(separator)
-            && is_unit(unit.trim())
-        {
-            return Heading { name: name.trim().into(), unit: unit.trim().into() };
-        }
-    }
-    if let Some(name) = title.strip_suffix(['%', '\u{2030}']) {
-        return Heading { name: name.trim_end().into(), unit: title[name.len()..].into() };
+    let (name, unit) = units::split(title);
+    if name.len() < title.len() {
+        return Heading { name: name.into(), unit: unit.into() };
     }
     // "Stress, kp/mm^2": a single word after a comma is meant as a unit, whether known or not.
     if let Some((name, unit)) = title.rsplit_once(',').filter(|(_, unit)| unit.split_whitespace().count() == 1) {
@@ -224,6 +213,7 @@ mod tests {
             ("Strain Gauge (Microstrain)", "Strain Gauge", "Microstrain", Some(Kind::Strain)),
             ("Standardweg [mm]", "Standardweg", "mm", Some(Kind::Extension)),
             ("Stress, kp/mm\u{b2}", "Stress", "kp/mm\u{b2}", Some(Kind::Stress)),
+            ("strain_mV", "strain", "mV", Some(Kind::Strain)),
             ("Stress, stones/acre", "Stress", "stones/acre", Some(Kind::Stress)),
             ("Strain%", "Strain", "%", Some(Kind::Strain)),
             ("stress_mpa", "stress", "mpa", Some(Kind::Stress)),

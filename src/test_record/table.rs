@@ -350,7 +350,7 @@ fn divisor(column: &Column, given: Option<f64>, needs: Kind, argument: &str, wha
 fn number(document: &Document, cell: &Cell) -> Result<f64> {
     let text = cell.text.replace('\u{2212}', "-");
     text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| {
-        let message = if text.is_empty() { "the cell is empty".into() } else { format!("`{text}` is not a number") };
+        let message = format!("`{text}` is not a number");
         Error::from(document.error(cell.span.clone(), "", message).help("remove the line, or correct the number"))
     })
 }

@@ -1,6 +1,58 @@
 //! Units in the headings of columns, which instruments write in more ways than scenes do.
 
+use super::parse::is_like_unit;
 use super::{Dimension, one};
+
+/// Splits a heading such as `Force [kN]`, `stress_MPa`, `Strain (%)`, `Load, N`, `stress/MPa`, `time us` or `Strain%` into name and unit, which is empty
+/// if there is none. Text in brackets at the end is always a unit. After another separator only a word that looks like a unit is one: it can be a part
+/// of the name. A unit of another quantity counts, too, so that it is refused.
+pub(crate) fn split(heading: &str) -> (&str, &str) {
+    let heading = heading.trim();
+    let is_separator = |c: char| "_ /,".contains(c);
+    let brackets = heading.rfind(['(', '[']).and_then(|open| {
+        let close = heading[open..].find([')', ']'])?;
+        Some((open, open + close))
+    });
+    if let Some((open, close)) = brackets {
+        let (name, unit) = (heading[..open].trim_end_matches(is_separator), heading[open + 1..close].trim());
+        if close + 1 == heading.len() || is_unit(unit) {
+            return (name, unit);
+        }
+    }
+    for separator in [',', '_', ' ', '/'] {
+        if let Some((name, unit)) = heading.rsplit_once(separator)
+            && is_unit(unit.trim())
+            && !is_bar(name, unit)
+        {
+            return (name.trim(), unit.trim());
+        }
+    }
+    match heading.strip_suffix(['%', '\u{2030}']) {
+        Some(name) => (name.trim_end(), &heading[name.len()..]),
+        None => (heading, ""),
+    }
+}
+
+/// Parts of headings, in lower case, of stresses and pressures.
+const OF_STRESSES: [&str; 7] = ["stress", "pressure", "spannung", "druck", "contrainte", "sigma", "\u{3c3}"];
+
+/// Whether the last word of a heading is that of an `incident bar`, not the unit of a stress.
+fn is_bar(name: &str, word: &str) -> bool {
+    let name = name.to_lowercase();
+    word.trim() == "bar" && !OF_STRESSES.iter().any(|part| name.contains(part))
+}
+
+/// Units of the signal of an amplifier, which are those of no column.
+const OF_SIGNALS: [&str; 5] = ["V", "mV", "uV", "kV", "mA"];
+
+/// Whether a word of a heading is a unit of any quantity, or looks like one. A number is part of a name: `strain_1` is the strain of a gauge.
+fn is_unit(word: &str) -> bool {
+    let plain = word.replace(['\u{b5}', '\u{3bc}'], "u");
+    let is_name = word.is_empty() || word == "-" || word.parse::<f64>().is_ok();
+    let known = [Dimension::None, Dimension::Length, Dimension::Force, Dimension::Stress];
+    let is_known = || known.iter().any(|&dimension| in_heading(word, dimension).is_ok());
+    !is_name && (OF_SIGNALS.contains(&plain.as_str()) || is_like_unit(word) || is_known())
+}
 
 /// Units that instruments write in other capitalization.
 const OTHER_CASE: [&str; 10] = ["MPa", "GPa", "kPa", "ksi", "psi", "kN", "lbf", "kip", "mm", "in"];
@@ -12,7 +64,7 @@ const OTHER_CASE: [&str; 10] = ["MPa", "GPa", "kPa", "ksi", "psi", "kN", "lbf", 
 pub(crate) fn in_heading(unit: &str, dimension: Dimension) -> Result<f64, String> {
     let unit = unit.trim().trim_matches(['(', ')', '[', ']']).trim();
     let of_strain = if dimension == Dimension::None { strain(unit) } else { None };
-    of_strain.map_or_else(|| one(&spelled(unit), dimension), Ok)
+    of_strain.map_or_else(|| one(&spelled(unit), dimension), Ok).map_err(|reason| reason.replace("`1 ", "`"))
 }
 
 /// Returns the value of units that have a meaning only for strains.
@@ -76,6 +128,30 @@ mod tests {
             assert!((found / expected - 1.0).abs() < 1e-12, "{unit}: {found}");
         }
         assert_eq!(in_heading("mPa", stress), Ok(1e-3));
+        let error = in_heading("mm", stress).expect_err("a length");
+        assert!(error.contains("`mm`"), "{error}");
         assert!(in_heading("furlong", stress).is_err() && in_heading("mm", strain).is_err());
+    }
+
+    #[test]
+    fn units_are_split_off_whatever_the_separator() {
+        for unit in
+            ["V", "mV", "\u{b5}V", "MPa", "kN", "mm", "us", "usec", "ue", "%", "m\u{3b5}", "mm/mm", "N/mm2", "Mpa"]
+        {
+            for heading in
+                [format!("g20_{unit}"), format!("g20 {unit}"), format!("g20 ({unit})"), format!("g20 [{unit}] 2")]
+            {
+                assert_eq!(split(&heading), ("g20", unit), "{heading}");
+            }
+        }
+        for name in
+            ["g_1", "load_cell", "incident bar", "transmission_bar", "gauge_A", "residual_strain", "F/A", "strain"]
+        {
+            assert_eq!(split(name), (name, ""));
+        }
+        assert_eq!(split("Strain (axial)"), ("Strain", "axial"));
+        assert_eq!(split("Stress/MPa"), ("Stress", "MPa"));
+        assert_eq!(split("stress_bar"), ("stress", "bar"));
+        assert_eq!(split("Strain%"), ("Strain", "%"));
     }
 }

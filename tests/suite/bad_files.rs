@@ -117,6 +117,12 @@ fn tables_of_spreadsheets_and_instruments_are_read_or_refused_with_the_cause() {
             write(of_curve, bytes);
             assert_refused(folder.path(), &["check", "scene.toml"], words);
         }
+        // Volts were read as pascals.
+        for stress in ["stress_V", "stress (V)", "stress [V]"] {
+            let abscissa = if of_curve { "strain" } else { "time" };
+            write(of_curve, format!("{abscissa},{stress}\n0.001,200e6\n0.02,300e6\n").as_bytes());
+            assert_refused(folder.path(), &["check", "scene.toml"], &["t.csv:1", "unknown unit `V`"]);
+        }
     }
 }
 

@@ -785,6 +785,16 @@ fn results_of_other_impacts_are_named() {
     let path = folder.path();
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/spheres.toml");
     done(path, &["run", &scene.to_string_lossy(), "-o", "spheres.h5", "--quiet"]);
+    // Volts were read as strains.
+    for unit in ["V", "mV", "MPa", "kN", "mm"] {
+        for heading in [format!("incident_{unit}"), format!("incident ({unit})"), format!("incident [{unit}]")] {
+            test.write(&path.join("units.csv"), &format!("time_us,{heading},transmitted (ue)"), [0.0; 2]);
+            refusal(
+                "units.csv",
+                &["units.csv:1:9", &format!("in the heading `{heading}`"), &format!("`{unit}`"), "% or ue"],
+            );
+        }
+    }
     for arguments in [
         &["invert", "arrivals", "spheres.h5"][..],
         &["invert", "hopkinson", "spheres.h5"],

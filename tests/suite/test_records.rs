@@ -724,7 +724,7 @@ fn wrong_records_are_refused_with_one_clear_error() {
     }
     // Text, options, and the texts that the message contains; a line number is followed by a colon.
     let machine = machine_record("Time (s),Crosshead (mm),Extensometer (mm),Load (kN)");
-    let cases: [(&str, &[&str], &str); 31] = [
+    let cases: [(&str, &[&str], &str); 33] = [
         (&machine, &["--gauge-length", "50", "--area", "100 mm^2"], "`50` has no unit and would be 50 m"),
         (&machine, &["--gauge-length", "50 mm", "--diameter", "6"], "`6` has no unit and would be 6 m"),
         (
@@ -736,7 +736,7 @@ fn wrong_records_are_refused_with_one_clear_error() {
         (&line(7, "0.1,abc"), &[], "8: `abc` is not a number"),
         (&line(7, "0.1,nan"), &[], "8: `nan` is not a number"),
         (&line(7, "0.1"), &[], "8: this line has only 1 column"),
-        (&line(7, "0.1,"), &[], "8: the cell is empty"),
+        (&line(7, "0.1,"), &[], "8: the cell in column `stress_MPa` is empty"),
         ("strain,stress_MPa\n", &[], "fewer than two lines"),
         ("strain,strain,stress_MPa\n1,1,2\n2,2,3\n", &[], "2 columns of strain"),
         ("strain (furlong),stress_MPa\n1,2\n2,3\n", &[], "`furlong` is not a unit of strain"),
@@ -759,6 +759,8 @@ fn wrong_records_are_refused_with_one_clear_error() {
         (&tiny, &[], "the unit of stress or force is not given"),
         (&tiny.replace("stress", "stress (Pa)"), &[], "2: no curve can be made of a.csv"),
         (&good.replace("stress_MPa", "\"Stress, stones/acre\""), &[], "`stones/acre` is not a unit of stress"),
+        (&good.replace("stress_MPa", "stress_V"), &[], "`V` is not a unit of stress"),
+        (&good.replace("strain,", "strain_mV,"), &[], "`mV` is not a unit of strain"),
         (&good.replace("stress_MPa", "Stress (kgfmm2)"), &[], "did you mean `kgf/mm^2`?"),
     ];
     for (text, options, words) in cases {

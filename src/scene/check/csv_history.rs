@@ -7,10 +7,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::Checker;
-use crate::columns::{self, Cell, unit, unit_of};
+use crate::columns::{self, Cell, unit_of};
 use crate::error::{Error, Result};
 use crate::input::{Allowed, Document, Number};
-use crate::units::{Dimension, Quantity, one};
+use crate::units::{Dimension, Quantity, one, split};
 
 /// Result of converting rows, or the index of the wrong row and the reason.
 pub(super) type MadeOfRows<T> = std::result::Result<T, (usize, &'static str)>;
@@ -119,8 +119,8 @@ impl Abscissa {
     /// Returns whether a heading has one of the accepted names (`Time (us)`, `x [mm]`, ...) or a unit of the quantity.
     fn is_named(&self, header: &str) -> bool {
         let name = header.split(['[', '(', '_', ' ', '/']).next().unwrap_or_default().to_lowercase();
-        let in_unit = |unit: &str| one(unit, self.dimension).is_ok();
-        unit(header, self.dimension).is_some_and(in_unit) || self.names.contains(&name.as_str())
+        let (_, unit) = split(header);
+        (!unit.is_empty() && one(unit, self.dimension).is_ok()) || self.names.contains(&name.as_str())
     }
 }
 

@@ -5,11 +5,11 @@ use super::Checker;
 use super::csv_history::{Abscissa, quantity};
 use super::ends::{ROWS, ROWS_HELP};
 use crate::bar::History;
-use crate::columns::{self, Table, name, unit_of};
+use crate::columns::{self, Table, unit_of};
 use crate::error::{Error, Result};
 use crate::input::{Allowed, Document};
 use crate::typed::{Of, Placed};
-use crate::units::{Dimension, Measure, System, format};
+use crate::units::{Dimension, Measure, System, format, split};
 
 const TIME: Abscissa = Abscissa {
     key: "time",
@@ -42,7 +42,7 @@ impl Checker<'_> {
         let columns = [(&record.time_column, "time-column"), (&record.column, "column")];
         let [time, value] = [0, 1].map(|k| {
             let (column, name) = (columns[k].0.as_ref(), format!("{key}.{}", columns[k].1));
-            self.column(column, dimensions[k], &table, &document, &name).map(|place| place.unwrap_or(k))
+            self.column(column, &table, &document, &name).map(|place| place.unwrap_or(k))
         });
         let (places, scale) = ([time?, value?], self.si(&record.scale)?);
         let unit_of = |k: usize| unit_of_column(&document, &table, places[k], dimensions[k]);
@@ -72,13 +72,12 @@ impl Checker<'_> {
     fn column(
         &self,
         column: Option<&Placed<Column>>,
-        dimension: Dimension,
         table: &Table,
         document: &Document,
         key: &str,
     ) -> Result<Option<usize>> {
         let Some(column) = column else { return Ok(None) };
-        let name_of = |title: &str| name(title, dimension).to_owned();
+        let name_of = |title: &str| split(title).0.to_owned();
         let found = table.column(document, &column.get_ref().to_string(), key, name_of);
         Ok(Some(found.map_err(|e| e.at(self.document.place(column.span())))?))
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::columns::{self, Cell};
 use crate::error::{InputError, Result};
 use crate::input::Document;
-use crate::units::{Dimension, in_heading, one};
+use crate::units::{Dimension, in_heading, split};
 
 /// Named columns of numbers in SI units.
 pub(super) struct Table {
@@ -119,6 +119,8 @@ impl Table {
 
 const HEADER: &str = "name the columns in the first line, with their units: x_mm,strain_%,time_us";
 
+const STRAINS: &str = "write e.g. `incident [ue]` or `strain_%`; a signal in volts has to be converted to strain";
+
 /// Content of a column heading.
 struct Named {
     name: String,
@@ -131,35 +133,20 @@ struct Named {
 /// Returns the name in lower case and the SI factor of a heading such as `time_us`, `Time (us)` or `strain [%]`, or of one with its unit in the line
 /// below.
 fn named(document: &Document, cell: &Cell, unit_below: &str, dimension: impl Fn(&str) -> Dimension) -> Result<Named> {
-    let with_unit = |name: String, factor: f64| Named { name, factor, unit: true };
-    let title = cell.text.trim();
-    let bracket = title.find(['(', '[']);
-    let (name, unit) = match bracket {
-        Some(open) => (title[..open].trim(), title[open + 1..].trim_end_matches([')', ']']).trim()),
-        None => (title, unit_below),
+    let below = !unit_below.is_empty() && !cell.text.contains(['(', '[']);
+    let (name, unit) = if below { (cell.text.as_str(), unit_below) } else { split(&cell.text) };
+    let name = name.trim().to_lowercase();
+    if unit.is_empty() {
+        return Ok(Named { name, factor: 1.0, unit: false });
+    }
+    let dimension = dimension(&name);
+    let wrong = |reason: String| {
+        let error = columns::wrong_unit(document, cell, dimension, &reason);
+        let of_strain = error.clone().allowed("a unit of strain such as % or ue, or none").help(STRAINS);
+        if dimension == Dimension::None { of_strain } else { error }
     };
-    if !unit.is_empty() {
-        let name = name.to_lowercase();
-        let factor = in_heading(unit, dimension(&name))
-            .map_err(|reason| document.error(cell.span.clone(), "", reason).help(HEADER))?;
-        return Ok(with_unit(name, factor));
-    }
-    // The text after the underscore is a unit in `time_us`; in the heading of a strain it can also be part of the name.
-    let own = title.rsplit_once(['_', ' ']).map_or(title, |(name, _)| name).to_lowercase();
-    let of = dimension(&own);
-    if of != Dimension::None {
-        let factor = columns::unit_of(document, cell, of)?.and_then(|unit| one(unit, of).ok());
-        if let Some(factor) = factor {
-            return Ok(with_unit(columns::name(title, of).to_lowercase(), factor));
-        }
-    } else if let Some((name, unit)) = title.rsplit_once('_') {
-        // `strain_1` is the name of a gauge.
-        let factor = in_heading(unit, Dimension::None).ok().filter(|_| unit.parse::<f64>().is_err() && unit != "-");
-        if let Some(factor) = factor {
-            return Ok(with_unit(name.to_lowercase(), factor));
-        }
-    }
-    Ok(Named { name: title.to_lowercase(), factor: 1.0, unit: false })
+    let factor = in_heading(unit, dimension).map_err(wrong)?;
+    Ok(Named { name, factor, unit: true })
 }
 
 fn number(document: &Document, cell: &Cell, name: &str) -> Result<f64> {
@@ -206,6 +193,10 @@ mod tests {
             ("time_usec,a\n1,2\n", "unknown unit `usec`"),
             ("time_mm,a\n1,2\n", "`mm` is a length"),
             ("time kN,a\n1,2\n", "`kN` is a force"),
+            ("time_us,a_V\n1,2\n", "in the heading `a_V`: unknown unit `V`"),
+            ("time_us,a_mV\n1,2\n", "unknown unit `mV`"),
+            ("time_us,a_mm\n1,2\n", "`mm` is a length"),
+            ("time_us,a MPa\n1,2\n", "`MPa` is a stress"),
         ] {
             let error = table(text).err().unwrap_or_else(|| panic!("{text}")).to_string();
             assert!(error.contains(words), "{text}: {error}");

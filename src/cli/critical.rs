@@ -286,7 +286,8 @@ pub(super) fn all() -> Vec<Material> {
     let mut materials = Vec::new();
     for name in &names {
         match library::find(name, Path::new("")) {
-            Ok(material) => materials.push(material),
+            // A file can state another name, by which it is not found.
+            Ok(material) => materials.push(Material { name: name.clone(), ..material }),
             Err(error) => output::note(&format!("skipped `{name}`: {error}\n")),
         }
     }

@@ -1,5 +1,7 @@
 //! Material files: what they mean, and which are refused with which messages.
 
+use crate::common::binary;
+
 use std::path::Path;
 
 use barwave::error::Error;
@@ -280,4 +282,18 @@ fn annealed_copper_has_the_power_laws_critical_velocity() {
     // by 2e-5; the table is accurate to 1e-3.
     assert!((v_c.velocity / 90.073_877_5 - 1.0).abs() < 1e-3, "{}", v_c.velocity);
     assert!((v_c.strain / 0.44_f64.exp_m1() - 1.0).abs() < 1e-12);
+}
+
+/// A file of another name than the material in it was listed under a name that no command found.
+#[test]
+fn materials_are_listed_under_the_name_that_finds_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::create_dir(folder.path().join("materials")).expect("a folder");
+    let steel = "name = \"first-test\"\ndensity = 7850\nmodulus = \"200 GPa\"\n[curve]\nformula = \"hollomon\"\n\
+                 K = \"600 MPa\"\nn = 0.21\n";
+    std::fs::write(folder.path().join("materials/mean.toml"), steel).expect("a file");
+    let listed = binary::json(folder.path(), &["materials", "list", "--json"]);
+    let names: Vec<&str> = listed.as_array().expect("a list").iter().filter_map(|m| m["name"].as_str()).collect();
+    assert!(names.contains(&"mean") && !names.contains(&"first-test"), "{names:?}");
+    binary::done(folder.path(), &["critical", "mean"]);
 }

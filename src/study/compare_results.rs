@@ -12,6 +12,7 @@ use serde::Serialize;
 use crate::error::{InputError, Result};
 use crate::record::store::{ResultFile, Side};
 use crate::record::{Field, Trace};
+use crate::units::{Dimension, System, format as with_unit};
 
 /// Norm of a difference, absolute and relative to the norm of the first file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -188,13 +189,14 @@ fn notes(first: &ResultFile, other: &ResultFile, [a, b]: [&Grid; 2]) -> Vec<Stri
     let mut notes = Vec::new();
     let differ = |p: [f64; 2], q: [f64; 2]| (0..2).any(|i| (p[i] - q[i]).abs() > 1e-9 * (p[1] - p[0]).abs());
     if differ(a.bar(), b.bar()) {
-        let [p, q] = [a.bar()[1], b.bar()[1]];
-        notes.push(format!("the bars end at {p} m and {q} m: only the common part is compared"));
+        let [p, q] = [a, b].map(|grid| with_unit(grid.bar()[1], Dimension::Length, System::Si));
+        notes.push(format!("the bars end at {p} and {q}: only the common part is compared"));
     }
     if differ(a.span(), b.span()) {
-        let [[a0, a1], [b0, b1]] = [a.span(), b.span()];
+        let shown = |time| with_unit(time, Dimension::Time, System::Si);
+        let [[a0, a1], [b0, b1]] = [a, b].map(|grid| grid.span().map(shown));
         notes.push(format!(
-            "the frames are from {a0:e} to {a1:e} s and from {b0:e} to {b1:e} s: only the common time is compared, also of gauges and ends"
+            "the frames are from {a0} to {a1} and from {b0} to {b1}: only the common time is compared, also of gauges and ends"
         ));
     }
     let common = common(a.span(), b.span());

@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::bands::{HALF_95, deviation};
 use super::curve::{Integrated, WavePoint, bounds, integrate, points, unknown_start};
 use super::isotonic::{first_reach, non_decreasing};
-use super::noise::Noise;
+use super::noise::{Noise, rounded};
 use super::records::{Record, Recording};
 use super::setup::{self, REPLICATES, SEED};
 use super::table::Table;
@@ -145,11 +145,14 @@ pub fn of_records(recording: &Recording, options: &Options) -> Result<Inverted> 
         level: levels.clone(),
         time: records.iter().zip(fits).zip(&tops).map(column).collect(),
     };
+    let rounding: Vec<f64> = noise.iter().zip(&records).map(|(noise, record)| noise.rounding(&record.strain)).collect();
+    let errors: Vec<(f64, f64)> = zero.errors.iter().copied().zip(rounding).collect();
     let mut rng = XorShiftRng::seed_from_u64(options.seed);
     let mut replicate = |_| {
-        let noisy = noise.iter().zip(&fits).zip(&zero.errors).map(|((n, fit), &error)| {
+        let noisy = noise.iter().zip(&fits).zip(&errors).map(|((n, fit), &(error, rounding))| {
             let mut drawn = n.replicate(fit, &mut rng);
             let offset = if error > 0.0 { error * standard_normal(&mut rng) } else { 0.0 };
+            let offset = offset + rounded(rounding, &mut rng);
             for strain in &mut drawn {
                 *strain += offset;
             }

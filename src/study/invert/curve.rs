@@ -25,7 +25,7 @@ impl Interval {
     }
 
     /// Limits the interval of a magnitude to values >= 0.
-    fn magnitude(self) -> Self {
+    pub(super) fn magnitude(self) -> Self {
         Self { low: self.low.max(0.0), ..self }
     }
 

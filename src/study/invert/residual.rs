@@ -20,9 +20,10 @@ use serde::Serialize;
 use super::curve::{Bounds, Integrated, Interval, WavePoint, bounds, integrate, points, unknown_start};
 use super::given::turns_back;
 use super::isotonic::{first_reach, non_decreasing};
-use super::noise::Noise;
+use super::noise::{Noise, rounded};
 use super::setup::{self, REPLICATES, SEED, Segment};
 use super::table::Table;
+use super::zero::mean;
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Checked, equally_long, finite, member, optional, positive};
 use crate::material::{Beyond, Curve, Sense};
@@ -148,7 +149,7 @@ pub struct Inverted {
     pub warnings: Vec<String>,
 }
 
-/// Ratio of the strain at the far end of a profile to its noise above which a wave has arrived there.
+/// Ratio of the strain at the far end of a profile to its standard error above which a wave has arrived there.
 const FAR_NOISE: f64 = 4.0;
 
 /// Fewest sections of a profile.
@@ -314,6 +315,8 @@ struct Fronts {
     place: Vec<f64>,
     /// Strain at the far end of the profile, above which levels are found, and its position, m.
     far: [f64; 2],
+    /// Half the step to which the strains are rounded; 0 if the noise averages out the rounding.
+    half_step: f64,
 }
 
 /// State ahead of the lowest level of a profile, as `[strain, stress, velocity]`.
@@ -343,11 +346,14 @@ impl Start {
         let [strain, place] = fronts.far;
         let least = (place / options.time).min(c0);
         let speed = if strain > 0.0 { ((velocity - explained) / strain).clamp(least, c0) } else { least };
-        let [stress, low, high] = [speed, least, c0].map(|c| options.density * c * c * strain);
+        // A rounded strain can also be 0, but not where the elastic wave has not arrived.
+        let rounding = if least < c0 { fronts.half_step } else { 0.0 };
+        let [low, high] = [(strain - rounding).max(0.0), strain + rounding];
+        let [stress, velocity] = [options.density * speed * speed * strain, speed * strain];
         Self {
-            state: [strain, stress, speed * strain],
-            stress: [low - stress, high - stress],
-            velocity: [(least - speed) * strain, (c0 - speed) * strain],
+            state: [strain, stress, velocity],
+            stress: [options.density * least * least * low - stress, options.density * c0 * c0 * high - stress],
+            velocity: [least * low - velocity, c0 * high - velocity],
         }
     }
 
@@ -378,15 +384,18 @@ pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
         return Err(InputError::new(message).help("check the columns and their units").into());
     }
     let level: Vec<f64> = (1..=LEVELS).map(|i| plateau * (i as f64 / LEVELS as f64).powi(2)).collect();
-    // A strain within the noise means that no wave has arrived at the far end.
-    let far = if fit[0] > FAR_NOISE * noise.rms() { fit[0] } else { 0.0 };
-    let read = |fit: &[f64], shift: f64| Fronts {
+    // The strain left at the far end of a released wire starts no curve.
+    let loaded = options.state == State::Loaded;
+    let [far, far_error] = if loaded { far_strain(&strain, &fit, &noise) } else { [0.0; 2] };
+    let rounding = noise.rounding(&strain);
+    let read = |fit: &[f64], shift: f64, far: f64| Fronts {
+        half_step: 0.5 * rounding,
         level: level.clone(),
         far: [far, place[0] + shift],
         place: level.iter().map(|&e| first_reach(&place, fit, e).map_or(f64::NAN, |x| x + shift)).collect(),
     };
-    let best = read(&fit, 0.0);
-    let start = if options.state == State::Loaded { Start::strain(&best, options) } else { 0.0 };
+    let best = read(&fit, 0.0, far);
+    let start = if loaded { Start::strain(&best, options) } else { 0.0 };
     let kept: Vec<usize> = (0..LEVELS).filter(|&i| best.place[i] > 0.0 && level[i] > start).collect();
     if kept.len() < 2 {
         let message = "the strain does not decrease along the profile";
@@ -399,14 +408,35 @@ pub fn invert(profile: &Profile, options: &Options) -> Result<Inverted> {
     let found = evaluate(&best, &kept, above, options, options.velocity)?;
     let mut drawn = Vec::new();
     for _ in 0..options.replicates {
-        let noisy = non_decreasing(&noise.replicate(&fit, &mut rng), |_| 1.0);
+        let mut noisy = non_decreasing(&noise.replicate(&fit, &mut rng), |_| 1.0);
+        let error = rounded(rounding, &mut rng);
+        for strain in &mut noisy {
+            *strain += error;
+        }
         let section = 0.5 * spacing * (2.0 * rng.random::<f64>() - 1.0);
-        let fronts = read(&noisy, section + options.position_error * standard_normal(&mut rng));
+        let far = if far_error > 0.0 { far + far_error * standard_normal(&mut rng) } else { far };
+        let far = far.clamp(0.0, level[kept[0]]);
+        let fronts = read(&noisy, section + options.position_error * standard_normal(&mut rng), far);
         let fronts = Fronts { place: filled(&fronts.place, &best.place), ..fronts };
         let velocity = options.velocity + options.velocity_error * standard_normal(&mut rng);
         drawn.extend(evaluate(&fronts, &kept, above, options, velocity));
     }
     Ok(summary(&found, &drawn, options, &best))
+}
+
+/// Returns the strain at the far end of a profile and its standard error: the mean over the sections there whose strains differ by no more than noise.
+/// Both are 0 if no wave has arrived there, that is if the mean does not exceed [`FAR_NOISE`] standard errors. The strains start at the far end; `fit` is
+/// their non-decreasing fit, whose first values are too small.
+fn far_strain(strain: &[f64], fit: &[f64], noise: &Noise) -> [f64; 2] {
+    let mut level = fit[0] + FAR_NOISE * noise.rms();
+    let mut found = [0.0; 2];
+    // The second iteration leaves out sections that only the margin of the first one included.
+    for _ in 0..2 {
+        let alike = fit.partition_point(|&e| e <= level).max(1);
+        found = [mean(&strain[..alike]), noise.error_of_mean(alike)];
+        level = found[0] + noise.rms();
+    }
+    if found[0] > FAR_NOISE * found[1] { found } else { [0.0; 2] }
 }
 
 /// Returns the mean strain of the sections ahead of the position at which it decreases, or `None` for fewer than five sections.
@@ -498,7 +528,7 @@ fn summary(found: &Evaluated, drawn: &[Evaluated], options: &Options, fronts: &F
     let plateau = found.velocity - found.curve.velocity[top];
     let mut inverted = Inverted {
         points: kept,
-        yield_stress: (!found.yield_stress.is_nan()).then(|| interval(|e| e.yield_stress).within(yields)),
+        yield_stress: (!found.yield_stress.is_nan()).then(|| interval(|e| e.yield_stress).within(yields).magnitude()),
         yield_from_velocity: from_velocity,
         velocity_integral_m_s: interval(|e| e.velocity).within(between.velocity[top].map(|v| v + plateau)),
         impact_velocity_m_s: options.velocity,

@@ -1,5 +1,6 @@
 //! Zero offset of a gauge: the strain that it records before the wave arrives.
 
+use super::bands::OF_UNIFORM;
 use super::noise::Noise;
 
 /// A record without its zero offset.
@@ -8,10 +9,12 @@ pub(super) struct Zeroed {
     pub(super) record: (Vec<f64>, Vec<f64>),
     /// Mean strain before the wave, which has been removed.
     pub(super) offset: f64,
-    /// Standard error of the offset.
+    /// Standard error of the offset, due to noise and rounding.
     pub(super) offset_error: f64,
     /// Standard deviation of the strain about the offset before the wave.
     pub(super) noise: f64,
+    /// Step to which the strains are rounded; 0 if the noise averages out the rounding.
+    pub(super) rounding: f64,
     /// Number of samples before the wave.
     pub(super) samples: usize,
 }
@@ -27,11 +30,13 @@ impl Zeroed {
         let quiet = &strain[..samples];
         let offset = mean(quiet);
         let noise = Noise::about(quiet, &vec![offset; samples]);
+        let rounding = noise.rounding(strain);
         Self {
             record: (time.to_vec(), strain.iter().map(|e| e - offset).collect()),
             offset,
-            offset_error: noise.error_of_mean(),
+            offset_error: noise.error_of_mean(samples).hypot(OF_UNIFORM * rounding),
             noise: noise.rms(),
+            rounding,
             samples,
         }
     }

@@ -9,7 +9,7 @@ use super::test_set::{ElasticBar, Records, Setup};
 use crate::error::{InputError, Result};
 use crate::input::{Allowed, Checked, member, optional, positive};
 use crate::material::Sense;
-use crate::study::invert::bands::HALF_95;
+use crate::study::invert::bands::{HALF_95, OF_UNIFORM};
 use crate::study::invert::noise::at;
 use crate::study::invert::zero::Zeroed;
 use crate::units::Dimension;
@@ -87,7 +87,7 @@ pub struct Knot {
     /// Engineering stress, Pa.
     #[serde(rename = "stress_Pa")]
     pub stress: f64,
-    /// Half width of the 95 % interval of the stress, Pa, due to noise, errors of the zero offsets, half the root mean square difference of the
+    /// Half width of the 95 % interval of the stress, Pa, due to noise, rounding, errors of the zero offsets, half the root mean square difference of the
     /// faces, and the bend of the curve within the range.
     #[serde(rename = "stress_half_width_Pa")]
     pub half_width: f64,
@@ -210,6 +210,11 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
     Ok(reduced)
 }
 
+    // Neighbouring samples are rounded alike, so that a mean over them has the error of one.
+    let rounding = HALF_95 * stress_noise(setup, zeroed.each_ref().map(|zeroed| OF_UNIFORM * zeroed.rounding));
+    for knot in &mut reduced.curve {
+        knot.half_width = knot.half_width.hypot(rounding);
+    }
 /// Returns a warning if the specimen is wider than the bars.
 fn wide(setup: &Setup) -> Vec<String> {
     let bar = setup.incident.area.min(setup.transmitted.area);

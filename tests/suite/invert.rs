@@ -603,7 +603,7 @@ impl Kolsky {
     }
 
     /// Returns a test with another elastic limit, Pa.
-    fn yielding_at(limit: f64, length: f64) -> Self {
+    pub fn yielding_at(limit: f64, length: f64) -> Self {
         let c0 = (200e9_f64 / 7850.0).sqrt();
         let (dt, edge, ratio) = (1e-7, 15e-6, (10.0_f64 / 16.0).powi(2));
         let pulse = |t: f64| 12.0 / (2.0 * c0) * (t / edge).min((length + edge - t) / edge).clamp(0.0, 1.0);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::test_set::{Record, Records, Setup};
+use super::test_set::{ElasticBar, Record, Records, Setup};
 use crate::error::{InputError, Result};
 use crate::root::bisect;
 use crate::study::invert::noise::at;
@@ -13,6 +13,8 @@ pub(super) struct Pulse {
     pub(super) sign: f64,
     /// Arrival time, s.
     pub(super) arrival: f64,
+    /// Longest time before the arrival at which the pulse can have begun, s: its foot can rise slowly.
+    pub(super) foot: f64,
     /// Duration, s.
     pub(super) lasts: f64,
 }
@@ -37,6 +39,10 @@ const LAST: f64 = 0.02;
 /// largest strain.
 const FEWEST: usize = 10;
 const SMALL: f64 = 0.01;
+
+/// Time before the arrival at which a pulse that rises as a parabola starts, relative to the time that the line through `ARRIVES` and `RISEN` of the
+/// largest strain takes from zero to `ARRIVES`: the square root of `RISEN` over `ARRIVES`.
+const PARABOLIC: f64 = 2.236_068;
 
 /// Ratio to the noise above which a single record shows a pulse.
 const CLEAR: f64 = 8.0;
@@ -140,12 +146,13 @@ fn incident_pulse(setup: &Setup, records: [&Record; 2], first: usize) -> Result<
         let error = late.map_or_else(|| overlap(setup.incident.distance, way, level), |late| early(setup, late));
         return Err(error.into());
     }
-    let arrival = time[first] - foot((time, strain), first, RISEN * signed.abs());
-    Ok(Pulse { sign: signed.signum(), arrival, lasts: time[last] - arrival })
+    let rise = foot((time, strain), first, RISEN * signed.abs());
+    let arrival = time[first] - rise;
+    Ok(Pulse { sign: signed.signum(), arrival, foot: PARABOLIC * rise, lasts: time[last] - arrival })
 }
 
 /// Returns the time that the front took to rise from zero to row `first`, s, from the line through that row and the first row with a strain above
-/// `risen`. Without this correction, the specimen would be deformed at the start.
+/// `risen`. Times count from there, but the specimen is deformed before by [`Pulse::foot`].
 fn foot((time, strain): (&[f64], &[f64]), first: usize, risen: f64) -> f64 {
     let Some(later) = strain[first..].iter().position(|e| e.abs() >= risen).filter(|rows| *rows > 0) else {
         return 0.0;
@@ -199,17 +206,101 @@ fn late(setup: &Setup, [incident, transmitted]: [&Record; 2], pulse: &Alone) -> 
         Some(reaches(time, |row| -pulse.sign * strain[row], level)? - computed)
     };
     found(0.0)?;
-    Some(bisect([-way, way], PRECISE * way, |late| found(late).is_some_and(|found| found > late)))
+    // With the transmitted pulse taken much too early, the computed reflected pulse is so large that a weak one never reaches the level.
+    let later = |late: f64| found(late).map_or(late < 0.0, |found| found > late);
+    Some(bisect([-way, way], PRECISE * way, later))
 }
 
-/// Returns a warning if the arrival of the reflected pulse differs from the computed one. `window` is the time from the arrival of the incident pulse
-/// on, s.
-pub(super) fn misplaced(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> Option<String> {
-    let [incident, transmitted] = zeroed.each_ref().map(|zeroed| &zeroed.record);
-    let row = |after: f64| incident.0.partition_point(|&t| t < pulse.arrival + after);
+/// Largest differences from the computed arrivals that are searched for, relative to the time to them.
+const SEARCHED: f64 = 0.25;
+
+/// Numbers of steps of the successive searches on each side; each one covers the steps next to the best one of the search before.
+const STEPS: [i32; 3] = [16, 8, 8];
+
+/// Number of times at which the forces of the faces are compared, and the part of the window before the arrival that is included.
+const TIMES: usize = 120;
+const BEFORE: f64 = 0.2;
+
+/// Ratio of the sums of squared differences of the forces up to which another distance explains them much better. Noise and waves in the specimen leave
+/// differences with any distance.
+const EXPLAINED: f64 = 0.25;
+
+/// Returns the delay of the transmitted pulse with respect to its computed arrival, s, for which the forces of the two faces agree best, whatever the
+/// distance of the gauge on the incident bar. `None` if they agree nearly as well without it.
+fn transmitted_late(setup: &Setup, [incident, transmitted]: [&Record; 2], pulse: &Pulse, window: f64) -> Option<f64> {
+    let (one, two) = (&setup.incident, &setup.transmitted);
+    let ratio = two.modulus * two.area / (one.modulus * one.area);
+    let (way, passed) = (2.0 * one.delay(), one.delay() + two.delay());
+    let times = (0..TIMES).map(|k| pulse.arrival + window * ((1.0 + BEFORE) * k as f64 / TIMES as f64 - BEFORE));
+    let first: Vec<(f64, f64)> = times.map(|t| (t, at(&incident.0, &incident.1, t))).collect();
+    // A delay of the reflected pulse means another distance on the incident bar, which delays the transmitted one by half as much.
+    let differ = |[reflected, late]: [f64; 2]| -> f64 {
+        let square = |&(t, first): &(f64, f64)| {
+            let front = first + at(&incident.0, &incident.1, t + way + reflected);
+            (front - ratio * at(&transmitted.0, &transmitted.1, t + passed + 0.5 * reflected + late)).powi(2)
+        };
+        first.iter().map(square).sum()
+    };
+    let (_, with_distance) = least(differ, [SEARCHED * way, 0.0]);
+    let ([_, late], with_both) = least(differ, [SEARCHED * way, SEARCHED * passed]);
+    (with_both < EXPLAINED * with_distance).then_some(late)
+}
+
+/// Returns the pair of numbers up to `ranges` for which a function is least, and its value there, by a search on grids that become finer.
+fn least(function: impl Fn([f64; 2]) -> f64, mut ranges: [f64; 2]) -> ([f64; 2], f64) {
+    let mut best = ([0.0; 2], function([0.0; 2]));
+    for steps in STEPS {
+        let middle = best.0;
+        let part = |k: i32| f64::from(k) / f64::from(steps);
+        let second = if ranges[1] > 0.0 { -steps..=steps } else { 0..=0 };
+        for (i, k) in (-steps..=steps).flat_map(|i| second.clone().map(move |k| (i, k))) {
+            let pair = [middle[0] + part(i) * ranges[0], middle[1] + part(k) * ranges[1]];
+            let value = function(pair);
+            if value < best.1 {
+                best = (pair, value);
+            }
+        }
+        ranges = ranges.map(|range| range / f64::from(steps));
+    }
+    best
+}
+
+/// Returns warnings if the arrival of the reflected or of the transmitted pulse differs from the computed one. `window` is the time from the arrival of
+/// the incident pulse on, s.
+pub(super) fn misplaced(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> Vec<String> {
+    let records = zeroed.each_ref().map(|zeroed| &zeroed.record);
+    let row = |after: f64| records[0].0.partition_point(|&t| t < pulse.arrival + after);
     let alone = Alone { rows: row(0.0).saturating_sub(1)..row(window), sign: pulse.sign };
-    let bar = &setup.incident;
-    let late = late(setup, [incident, transmitted], &alone)?;
+    let reflected = late(setup, records, &alone);
+    let transmitted = transmitted_late(setup, records, pulse, window);
+    let of_reflected = reflected.and_then(|late| reflected_misplaced(&setup.incident, late));
+    of_reflected.into_iter().chain(transmitted.and_then(|late| transmitted_misplaced(setup, late))).collect()
+}
+
+/// Returns a warning if the delay `late` (s) of the transmitted pulse is too large.
+fn transmitted_misplaced(setup: &Setup, late: f64) -> Option<String> {
+    let [one, two] = [&setup.incident, &setup.transmitted];
+    let message = || {
+        let (than, unless) = if late > 0.0 {
+            ("after", ", unless the wave takes that time through the specimen")
+        } else {
+            ("before", "")
+        };
+        format!(
+            "the transmitted pulse arrives {:.1} us {than} its time as computed from the distances of {:.4} m and {:.4} m{unless}: stresses \
+             and strains are wrong; a distance of {:.4} m fits its arrival: check the distance of the gauge on the transmission bar, and the \
+             clocks of the records",
+            1e6 * late.abs(),
+            one.distance,
+            two.distance,
+            two.distance + late * two.c0()
+        )
+    };
+    (late.abs() > MISSED * (one.delay() + two.delay())).then(message)
+}
+
+/// Returns a warning if the delay `late` (s) of the reflected pulse is too large.
+fn reflected_misplaced(bar: &ElasticBar, late: f64) -> Option<String> {
     let message = || {
         let than = if late > 0.0 { "after" } else { "before" };
         format!(

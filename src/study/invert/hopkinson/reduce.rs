@@ -141,6 +141,9 @@ pub struct Reduced {
 const MOST_MOMENTS: usize = 4000;
 const FEWEST_MOMENTS: usize = 400;
 
+/// Number of steps of the integration over the foot of the incident pulse.
+const FOOT_STEPS: usize = 50;
+
 /// Number of ranges of strain in the curve.
 const KNOTS: usize = 40;
 
@@ -207,14 +210,14 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
     // The moving averages at the edge of the window extend beyond the loading.
     equilibrium(&mut reduced, options.equilibrium, half, loading.saturating_sub(half));
     add_offset_errors(&mut reduced, [zeroed[0].offset_error, zeroed[1].offset_error]);
-    Ok(reduced)
-}
-
     // Neighbouring samples are rounded alike, so that a mean over them has the error of one.
     let rounding = HALF_95 * stress_noise(setup, zeroed.each_ref().map(|zeroed| OF_UNIFORM * zeroed.rounding));
     for knot in &mut reduced.curve {
         knot.half_width = knot.half_width.hypot(rounding);
     }
+    Ok(reduced)
+}
+
 /// Returns a warning if the specimen is wider than the bars.
 fn wide(setup: &Setup) -> Vec<String> {
     let bar = setup.incident.area.min(setup.transmitted.area);
@@ -300,18 +303,29 @@ fn moments(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> V
     let section = setup.area.recip();
     let of_transmitted = transmitted_in_one_wave(one, two);
     let passed = one.delay() + two.delay();
-    let mut strains = [0.0; 2];
+    let pulses = |t: f64| {
+        [
+            pulse.sign * at(&incident_gauge.0, &incident_gauge.1, t),
+            pulse.sign * at(&incident_gauge.0, &incident_gauge.1, t + 2.0 * one.delay()),
+            pulse.sign * at(&transmitted_gauge.0, &transmitted_gauge.1, t + passed),
+        ]
+    };
+    let rates = |[incident, reflected, transmitted]: [f64; 3]| {
+        [
+            (one.c0() * (incident - reflected) - two.c0() * transmitted) / setup.length,
+            (of_transmitted * transmitted - 2.0 * one.c0() * reflected) / setup.length,
+        ]
+    };
+    // The foot of the pulse deforms the specimen before the arrival.
+    let during_foot = |k: usize| rates(pulses(pulse.arrival - pulse.foot * (k as f64 + 0.5) / FOOT_STEPS as f64));
+    let mut strains = (0..FOOT_STEPS)
+        .map(during_foot)
+        .fold([0.0; 2], |sum, rates| [0, 1].map(|k| sum[k] + rates[k] * pulse.foot / FOOT_STEPS as f64));
     let mut before: Option<[f64; 2]> = None;
     let moment = |k: usize| {
         let time = window * k as f64 / steps as f64;
-        let t = pulse.arrival + time;
-        let incident = pulse.sign * at(&incident_gauge.0, &incident_gauge.1, t);
-        let reflected = pulse.sign * at(&incident_gauge.0, &incident_gauge.1, t + 2.0 * one.delay());
-        let transmitted = pulse.sign * at(&transmitted_gauge.0, &transmitted_gauge.1, t + passed);
-        let rates = [
-            (one.c0() * (incident - reflected) - two.c0() * transmitted) / setup.length,
-            (of_transmitted * transmitted - 2.0 * one.c0() * reflected) / setup.length,
-        ];
+        let [incident, reflected, transmitted] = pulses(pulse.arrival + time);
+        let rates = rates([incident, reflected, transmitted]);
         for (k, strain) in strains.iter_mut().enumerate() {
             *strain += 0.5
                 * (rates[k] + before.map_or(rates[k], |b| b[k]))

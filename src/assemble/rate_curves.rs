@@ -27,7 +27,7 @@ const LAST: f64 = 1.0;
 const SAME: f64 = 1e-9;
 
 /// Number of relaxation times after which the overstress of an elastic wave has decayed.
-const GONE: f64 = 3.0;
+const RELAXATION_TIMES: f64 = 3.0;
 
 /// Returns the scene with a rate-independent bar, on the curves that its rate law gives at `time` (s) after a load.
 pub(super) fn taking_no_time(scene: &Scene, time: f64) -> Scene {
@@ -47,7 +47,7 @@ pub(super) fn has_relaxed(fan: &InitialFan, scene: &Scene, time: f64) -> bool {
     let (ahead, behind) = (fan.sense.sign() * fan.stress_ahead(), fan.fan.stress);
     let elastic = if fan.driver == Driver::Stress { behind } else { ahead + material.impedance() * fan.fan.velocity };
     let (_, limit) = material.branch(fan.sense).elastic_limit(material.modulus);
-    elastic > limit && law.relaxation_rate(elastic - limit, limit) * time > GONE
+    elastic > limit && law.relaxation_rate(elastic - limit, limit) * time > RELAXATION_TIMES
 }
 
 /// Raises the curves of a material to the rates at `time` (s) after a load. The curves of a heated material are its adiabatic ones.

@@ -460,7 +460,7 @@ fn in_whole_segments(fans: &[InitialFan], bar: &Bar) -> Option<Vec<InitialFan>> 
 fn in_halves(scene: &Scene) -> Scene {
     let half = |segment: &Segment, side: usize| {
         let x = [0.0, segment.length][side];
-        let initial = segment.profile.as_ref().map_or(segment.initial, |profile| profile.beside(x, 1 - side));
+        let initial = segment.profile.as_ref().map_or(segment.initial, |profile| profile.one_sided_limit(x, 1 - side));
         Segment {
             length: 0.5 * segment.length,
             area: segment.end_areas()[side],
@@ -534,7 +534,7 @@ fn at_first_moment(fans: &[InitialFan], scene: &Scene, grid: &Grid, late: f64) -
     }
     let from = (fan.from / grid.dt).round() * grid.dt;
     let short =
-        |fan: &InitialFan| InitialFan { from, holds_until: FIRST_STEPS * grid.dt, lessens_from: 0.0, ..fan.clone() };
+        |fan: &InitialFan| InitialFan { from, holds_until: FIRST_STEPS * grid.dt, decays_from: 0.0, ..fan.clone() };
     fans.iter().map(short).collect()
 }
 

@@ -284,7 +284,7 @@ impl History {
 
     /// Returns the largest mean rate, relative to the difference from `rest` at `from`, at which the value falls back towards `rest` between `from`
     /// and any time up to `until`, 1/s; times in s.
-    pub fn fades(&self, from: f64, rest: f64, until: f64) -> f64 {
+    pub fn largest_decay_rate(&self, from: f64, rest: f64, until: f64) -> f64 {
         let change = self.at(from) - rest;
         let first = self.time.partition_point(|&row| row <= from);
         let rows = self.time[first..].iter().zip(&self.value[first..]).map(|(&t, &v)| (t, v));

@@ -185,7 +185,7 @@ impl InitialProfile {
     }
 
     /// Returns the state just to the left (`side` 0) or right (1) of x.
-    pub fn beside(&self, x: f64, side: usize) -> Initial {
+    pub fn one_sided_limit(&self, x: f64, side: usize) -> Initial {
         let [stress, plastic_strain, accumulated, temperature_rise] =
             [&self.stress, &self.plastic_strain, &self.accumulated, &self.temperature_rise]
                 .map(|table| if side == 0 { table.before(x) } else { table.at(x) });
@@ -260,7 +260,7 @@ mod tests {
             temperature_rise: zero,
         };
         let stairs = profile.staircase(&[0.0, 0.5, 2.0]);
-        assert_eq!((stairs.beside(0.5, 0).stress, stairs.beside(0.5, 1).stress), (0.5, 2.5));
+        assert_eq!((stairs.one_sided_limit(0.5, 0).stress, stairs.one_sided_limit(0.5, 1).stress), (0.5, 2.5));
         assert_eq!(stairs.mean(0.0, 2.0).stress, 2.0);
     }
 }

@@ -90,9 +90,9 @@ pub struct InitialFan {
     /// Whether the largest imposed value is applied at t = 0 and never changes.
     pub sudden: bool,
     /// Time from which on the driving quantity decreases within `holds_until`, by more than counts as steady, s; infinite if it does not decrease.
-    pub lessens_from: f64,
+    pub decays_from: f64,
     /// Relative rate at which it decreases, 1/s.
-    pub fades: f64,
+    pub decay_rate: f64,
     /// Mode of unloading behind the fan.
     pub unloads: Unloads,
     /// Decrease of the stress behind the fan at which the bar yields in the other sense, Pa; infinite if this is not considered.
@@ -154,8 +154,8 @@ impl InitialFan {
             wave_through: None,
             waves_before: 0,
             sudden: false,
-            lessens_from: f64::INFINITY,
-            fades: 0.0,
+            decays_from: f64::INFINITY,
+            decay_rate: 0.0,
             unloads: Unloads::Elastically,
             yields_after: f64::INFINITY,
             loads_until: f64::INFINITY,
@@ -191,13 +191,13 @@ impl InitialFan {
     }
 
     /// Returns the fraction of the driving quantity that is lost after the fan has been followed for a time, s.
-    pub fn loses(&self, followed: f64) -> f64 {
-        self.fades * (followed.min(self.holds_until) - self.lessens_from).max(0.0)
+    pub fn fraction_lost(&self, followed: f64) -> f64 {
+        self.decay_rate * (followed.min(self.holds_until) - self.decays_from).max(0.0)
     }
 
     /// Returns true if the driving quantity decreases within `holds_until`.
-    pub fn lessens(&self) -> bool {
-        self.lessens_from < self.holds_until
+    pub fn decays(&self) -> bool {
+        self.decays_from < self.holds_until
     }
 
     /// Returns the fan, driven by this end of a segment. It holds as long as the quantity imposed by the end, from `settled` (s) on, is constant, or
@@ -209,12 +209,12 @@ impl InitialFan {
             Driver::Stress => self.sense.sign() * self.changes()[0],
             _ => -self.direction * self.sense.sign() * self.fan.velocity,
         };
-        let (until, lessens_from, fades) = match end {
+        let (until, decays_from, decay_rate) = match end {
             EndCondition::Velocity { history, .. } | EndCondition::Stress { history } => {
                 let steady = history.stays_near(settled, history.at(settled), DRIFT * change.abs());
                 let falls = history.lessens_until(settled, history.at(settled) - change, part);
-                let fades = history.fades(settled, history.at(settled) - change, falls);
-                if falls > steady { (falls, steady, fades) } else { (steady, f64::INFINITY, 0.0) }
+                let decay_rate = history.largest_decay_rate(settled, history.at(settled) - change, falls);
+                if falls > steady { (falls, steady, decay_rate) } else { (steady, f64::INFINITY, 0.0) }
             }
             EndCondition::Striker { mass, .. } => {
                 let area = at.end_areas()[usize::from(self.direction < 0.0)];
@@ -224,13 +224,13 @@ impl InitialFan {
             _ => (f64::INFINITY, f64::INFINITY, 0.0),
         };
         let holds_until = self.holds_until.min(until - self.from);
-        Self { holds_until, lessens_from: lessens_from - self.from, fades, ..self }
+        Self { holds_until, decays_from: decays_from - self.from, decay_rate, ..self }
     }
 
     /// Returns the fan in a bar that unloads along its curve. It is then not known how much a stress may decrease.
     #[must_use]
     pub fn unloading_along_curve(self) -> Self {
-        let steady = if self.driver == Driver::Stress { self.lessens_from } else { f64::INFINITY };
+        let steady = if self.driver == Driver::Stress { self.decays_from } else { f64::INFINITY };
         Self { holds_until: self.holds_until.min(steady), unloads: Unloads::AlongCurve, ..self }
     }
 
@@ -268,7 +268,7 @@ impl InitialFan {
     /// Returns the fan, started by an elastic wave that loses the fraction `part` of its strength within a time (s).
     #[must_use]
     pub fn fading(self, part: f64, time: f64) -> Self {
-        Self { holds_until: self.holds_until.min(time), lessens_from: 0.0, fades: part / time, ..self }
+        Self { holds_until: self.holds_until.min(time), decays_from: 0.0, decay_rate: part / time, ..self }
     }
 
     /// Returns the fraction of the velocity change that is due to plastic fronts; `c0` is the elastic wave speed, m/s.

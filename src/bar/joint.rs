@@ -13,7 +13,7 @@
 //!   bring them together at the end of the step: p > 0 at `w = -g/dt`, so that the impulse p dt is that of the fraction of the step in which they
 //!   touch. Otherwise both are free, p = 0, and the gap grows at `w = -(q_l/Y_l + q_r/Y_r)` ([`free_rate`]). Momentum is exchanged
 //!   exactly. Faces that meet within a step lose the work of p over the remaining distance, which is of first order
-//!   in the step; the solver accounts for it with [`Contact::lose`].
+//!   in the step; the solver accounts for it with [`Contact::add_lost_energy`].
 //! - **Fracture** leaves a contact that has just opened ([`Contact::broken`]).
 //!
 //! Limits: a contact without a gap under pressure is bonded; one that never closes is two free ends; against a far larger impedance
@@ -102,7 +102,7 @@ impl Contact {
         self.lost
     }
 
-    /// Returns the contact forces so far, as recorded by [`Self::note`].
+    /// Returns the contact forces so far, as recorded by [`Self::record_force`].
     pub fn pressed(&self) -> Pressed {
         self.pressed
     }
@@ -113,7 +113,7 @@ impl Contact {
     }
 
     /// Records the force (N) of the latest step. For the peak, it is limited to `most` (N).
-    pub fn note(&mut self, dt: f64, force: f64, most: f64) {
+    pub fn record_force(&mut self, dt: f64, force: f64, most: f64) {
         let time = self.elapsed - dt;
         let known = |scheme: f64| self.sudden.map_or(scheme, |(load, known)| load.blend(time, -known, scheme));
         let (force, shown) = (known(force), known(force.min(most)));
@@ -126,8 +126,8 @@ impl Contact {
         }
     }
 
-    /// Records the force (N) of a contact that lasted for a single step and is over, if [`Self::note`] has recorded no force.
-    pub fn part_after(&mut self, force: f64) {
+    /// Records the force (N) of a contact that lasted for a single step and is over, if [`Self::record_force`] has recorded no force.
+    pub fn record_single_step(&mut self, force: f64) {
         if self.pressed.peak == 0.0 {
             (self.pressed.peak, self.pressed.time_of_peak) = (force, self.pressed.pressed_until);
         }
@@ -175,7 +175,7 @@ impl Contact {
     }
 
     /// Adds the work of `force` (N) over the approach `closer` (m) of the faces to the lost energy.
-    pub fn lose(&mut self, force: f64, closer: f64) {
+    pub fn add_lost_energy(&mut self, force: f64, closer: f64) {
         self.lost += force * closer;
     }
 }
@@ -244,7 +244,7 @@ mod tests {
         let mut contact = Contact::new(Joint::Contact { gap: 0.0 }).expect("a contact");
         for (force, presses) in [(2.0, true), (1.0, true), (1e-15, false), (0.0, false), (1.0, true), (1e-15, false)] {
             contact.advance(0.25, force, 0.0);
-            contact.note(0.25, force, f64::INFINITY);
+            contact.record_force(0.25, force, f64::INFINITY);
             assert_eq!(contact.presses(), presses, "{force}");
         }
         assert_eq!((contact.pressed().duration, contact.pressed().pressed_until), (0.75, 1.25));

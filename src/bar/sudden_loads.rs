@@ -84,12 +84,12 @@ fn behind(fan: &InitialFan, bar: &Bar, dx: f64) -> Option<SuddenLoad> {
         let lasts = fan.known_until(segment.length).min(fan.followed_for(dx, c0));
         (fan.state_behind()?, lasts, (fan.driver == Driver::Body).then(by_body))
     };
-    let fades = fan.driver != Driver::Body && lasts > fan.lessens_from;
+    let decays = fan.driver != Driver::Body && lasts > fan.decays_from;
     let lasts = match fan.origin {
-        Origin::Joint(_) if fades => lasts.min(FIRST_CELLS * dx / c0),
+        Origin::Joint(_) if decays => lasts.min(FIRST_CELLS * dx / c0),
         _ => lasts,
     };
     // Schemes show the states of ends behind fans whose loads change themselves.
-    let shown = fan.delays.is_empty() && (!fades || matches!(fan.origin, Origin::Joint(_)));
+    let shown = fan.delays.is_empty() && (!decays || matches!(fan.origin, Origin::Joint(_)));
     (lasts > 0.0 && shown).then_some(SuddenLoad { stress, velocity, slope, from: fan.from, lasts, fading: None })
 }

@@ -54,7 +54,7 @@ pub const CHUNK: usize = 64;
 /// 1e-6.
 const CLOSE_TO_YIELD: f64 = 1e-9;
 
-/// Smallest plastic fraction of a strain increment for which [`CellLaw::flow_on`] lets a cell flow further; below it the curve counts as elastic
+/// Smallest plastic fraction of a strain increment for which [`CellLaw::complete_flow`] lets a cell flow further; below it the curve counts as elastic
 /// there. Also the largest fraction of the plastic strain by which the cell may flow without a strain increment (viscoplastic flow) or while it
 /// unloads.
 const LEAST_FLOW: f64 = 1e-3;
@@ -198,7 +198,7 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     /// the strain that this needed. Returns the cell after that, and the work of the plastic strain times 2 E per volume, Pa^2. Returns `None` if the
     /// cell does not unload elastically, if it flows without a strain increment (rate-dependent laws), or if the curve is very nearly as steep as the
     /// elastic line.
-    fn flow_on(&self, sigma: f64, plastic: f64, state: [f64; N]) -> Option<(Response<N>, f64)> {
+    fn complete_flow(&self, sigma: f64, plastic: f64, state: [f64; N]) -> Option<(Response<N>, f64)> {
         let strained = |sigma: f64, state: [f64; N], increment: f64| {
             self.respond(sigma, self.base(sigma, state) + increment, state)
         };
@@ -268,7 +268,7 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
 
     /// Computes [`Self::respond`] for neighbouring cells by a closed formula that holds for most of them, and sets `known` for these.
     #[inline(always)]
-    fn respond_to_most<const W: usize>(
+    fn respond_batch<const W: usize>(
         &self,
         _sigma: &[f64; W],
         _predictor: &[f64; W],
@@ -277,9 +277,9 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     ) {
     }
 
-    /// Computes [`Self::respond`] for a cell for which [`Self::respond_to_most`] has no result.
+    /// Computes [`Self::respond`] for a cell for which [`Self::respond_batch`] has no result.
     #[inline(always)]
-    fn respond_to_other(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+    fn respond_scalar(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         self.respond(sigma, predictor, state)
     }
 
@@ -294,7 +294,7 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     }
 
     /// Returns true if the cell came to its static curve in its latest step, or nearly.
-    fn keeps_up(&self, _state: [f64; N]) -> bool {
+    fn is_relaxed(&self, _state: [f64; N]) -> bool {
         true
     }
 
@@ -309,13 +309,13 @@ pub trait CellLaw<const N: usize>: Send + Sync + Sized {
     }
 }
 
-/// Computes [`CellLaw::respond`] for a law with [`CellLaw::respond_to_most`], by the operations that the cell would see among others. The bits
+/// Computes [`CellLaw::respond`] for a law with [`CellLaw::respond_batch`], by the operations that the cell would see among others. The bits
 /// therefore do not depend on how many cells are advanced at once.
 #[inline]
 fn respond_alone<L: CellLaw<N>, const N: usize>(law: &L, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
     let mut alone = Steps::<N, 1>::unknown();
-    law.respond_to_most(&[sigma], &[predictor], state.each_ref().map(std::array::from_ref), &mut alone);
-    if alone.known[0] == 0 { law.respond_to_other(sigma, predictor, state) } else { alone.of(0) }
+    law.respond_batch(&[sigma], &[predictor], state.each_ref().map(std::array::from_ref), &mut alone);
+    if alone.known[0] == 0 { law.respond_scalar(sigma, predictor, state) } else { alone.of(0) }
 }
 
 /// Interface of a law to the solvers: operates on whole rows of cells and is chosen once per run.
@@ -328,9 +328,9 @@ pub trait RowLaw: Send + Sync {
     /// Advances the row by one step.
     fn advance(&self, row: Row<'_>, state: &mut [f64]) -> Advanced;
 
-    /// Applies [`CellLaw::flow_on`] to cell `i` of a row. Returns E times the plastic strain, Pa, and its work times 2 E per volume, Pa^2. Both are 0
+    /// Applies [`CellLaw::complete_flow`] to cell `i` of a row. Returns E times the plastic strain, Pa, and its work times 2 E per volume, Pa^2. Both are 0
     /// if the cell is left unchanged.
-    fn flow_on(&self, plastic: f64, i: usize, sigma: &mut [f64], state: &mut [f64]) -> [f64; 2];
+    fn complete_flow(&self, plastic: f64, i: usize, sigma: &mut [f64], state: &mut [f64]) -> [f64; 2];
 
     /// Advances the row as [`RowLaw::advance`] does, with E times the strain increment of every cell (Pa) given; `work` is as in [`Row`].
     fn strain(&self, increment: &[f64], sigma: &mut [f64], state: &mut [f64], work: &mut [f64]);
@@ -359,7 +359,7 @@ pub trait RowLaw: Send + Sync {
     /// Returns E times the work of the overstress of all cells of a row since the start, per volume, Pa^2; 0 for laws without overstress.
     fn overstress_work(&self, state: &[f64]) -> f64;
 
-    /// Clears `flow` in cells whose relaxation is resolved by the steps, i.e. cells for which [`CellLaw::keeps_up`] is false.
+    /// Clears `flow` in cells whose relaxation is resolved by the steps, i.e. cells for which [`CellLaw::is_relaxed`] is false.
     fn clear_resolved(&self, state: &[f64], flow: &mut [f32]);
 
     /// Returns the state of a cell after slow loading and unloading.
@@ -407,8 +407,10 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
         row::advance(&self.law, row, state)
     }
 
-    fn flow_on(&self, plastic: f64, i: usize, sigma: &mut [f64], state: &mut [f64]) -> [f64; 2] {
-        let Some((after, work)) = self.law.flow_on(sigma[i], plastic, cell_state(state, i)) else { return [0.0; 2] };
+    fn complete_flow(&self, plastic: f64, i: usize, sigma: &mut [f64], state: &mut [f64]) -> [f64; 2] {
+        let Some((after, work)) = self.law.complete_flow(sigma[i], plastic, cell_state(state, i)) else {
+            return [0.0; 2];
+        };
         sigma[i] = after.sigma;
         set_cell_state(state, i, after.state);
         [after.plastic, work]
@@ -466,7 +468,7 @@ impl<L: CellLaw<N>, const N: usize> RowLaw for Rows<L, N> {
             return;
         }
         for (i, flow) in flow.iter_mut().enumerate().filter(|(_, flow)| **flow != 0.0) {
-            if !self.law.keeps_up(cell_state(state, i)) {
+            if !self.law.is_relaxed(cell_state(state, i)) {
                 *flow = 0.0;
             }
         }

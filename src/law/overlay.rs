@@ -74,7 +74,7 @@ impl<B: Backbone> CellLaw<OVERLAY> for Overlay<B> {
 
     fn along_table(&self, state: [f64; OVERLAY]) -> f64 {
         let (.., reversals) = split(state);
-        let z = reversals.on_curve(reversals.tip()).abs();
+        let z = reversals.curve_abscissa(reversals.tip()).abs();
         z - self.backbone.stress(z, 1.0)
     }
 

@@ -29,8 +29,8 @@ impl<B: Backbone> CellLaw<1> for PathIndependent<B> {
     }
 
     #[inline(always)]
-    fn interpolate(&self, reach: &[f64], predictor: &[f64], table: &mut [f64]) {
-        self.0.stresses(reach, predictor, table);
+    fn interpolate(&self, abscissa: &[f64], predictor: &[f64], table: &mut [f64]) {
+        self.0.stresses(abscissa, predictor, table);
     }
 
     #[inline(always)]

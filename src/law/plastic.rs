@@ -13,7 +13,7 @@ use super::{Backbone, CLOSE_TO_YIELD, CellLaw, Deformed, Response, within};
 pub struct Isotropic<B>(pub B);
 
 /// Number of iterations towards the elastic limit. Each multiplies the error by the slope of the curve over E.
-const TOWARDS_YIELD: usize = 8;
+const YIELD_ITERATIONS: usize = 8;
 
 impl<B: Backbone> CellLaw<2> for Isotropic<B> {
     const BOUNDS_ELASTICITY: bool = true;
@@ -31,7 +31,7 @@ impl<B: Backbone> CellLaw<2> for Isotropic<B> {
         let curve = |size: f64| self.0.stress(size, 1.0).min(self.0.stress(size, -1.0));
         // The elastic limit is the size at which curve(size + least) = size. Each iterate is closer to it, from below.
         let mut size = yield_stress.max(curve(least));
-        for _ in 0..TOWARDS_YIELD {
+        for _ in 0..YIELD_ITERATIONS {
             size = curve(size + least);
         }
         let size = within([-size, size]);

@@ -19,10 +19,10 @@ use super::Backbone;
 
 /// Largest number of reversals that a point remembers. Cycles of constant amplitude need at most 2. Oscillations of decreasing amplitude open one
 /// more with every half-cycle that yields.
-pub const MOST: usize = 8;
+pub const MAX_REVERSALS: usize = 8;
 
 /// Number of state variables in which [`Reversals`] are stored.
-pub(super) const NUMBERS: usize = 3 + MOST;
+pub(super) const NUMBERS: usize = 3 + MAX_REVERSALS;
 
 /// Number of bisections after which an interval has no length left.
 const HALVINGS: usize = 64;
@@ -31,7 +31,7 @@ const HALVINGS: usize = 64;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Reversals {
     /// E times the strains of the reversals, outermost first, Pa. The first `open` entries are valid.
-    strains: [f64; MOST],
+    strains: [f64; MAX_REVERSALS],
     open: usize,
     /// Stress at the latest reversal, Pa.
     stress: f64,
@@ -75,7 +75,7 @@ impl Reversals {
     }
 
     /// Returns the scale factor of the current branch relative to the curve: 1 or 2.
-    fn size(&self) -> f64 {
+    fn scale(&self) -> f64 {
         if self.open == 0 { 1.0 } else { 2.0 }
     }
 
@@ -90,18 +90,18 @@ impl Reversals {
     }
 
     /// Maps a point (z, stress) of the curve, in magnitudes, to the current branch. Returns E times the strain, and the stress, Pa.
-    pub(crate) fn place(&self, sense: f64, z: f64, stress: f64) -> (f64, f64) {
-        (self.start() + sense * self.size() * z, self.stress + sense * self.size() * stress)
+    pub(crate) fn branch_point(&self, sense: f64, z: f64, stress: f64) -> (f64, f64) {
+        (self.start() + sense * self.scale() * z, self.stress + sense * self.scale() * stress)
     }
 
     /// Returns z of the curve for a point of the current branch, given E times its strain; Pa, signed.
-    pub(crate) fn on_curve(&self, strain: f64) -> f64 {
-        (strain - self.start()) / self.size()
+    pub(crate) fn curve_abscissa(&self, strain: f64) -> f64 {
+        (strain - self.start()) / self.scale()
     }
 
     /// Returns the stress on the current branch at E times the strain `strain`, Pa.
     pub(crate) fn stress_at(&self, curve: &impl Backbone, strain: f64) -> f64 {
-        self.stress + self.size() * mirrored(curve, self.on_curve(strain))
+        self.stress + self.scale() * mirrored(curve, self.curve_abscissa(strain))
     }
 
     /// Computes the stress at the latest reversal from the strains of all reversals, Pa.
@@ -117,7 +117,7 @@ impl Reversals {
         let sense = 1.0_f64.copysign(strain - self.tip);
         self.turn(curve, sense);
         self.close(curve, sense, strain);
-        if self.open >= 2 && sense * self.on_curve(strain) >= last_knot {
+        if self.open >= 2 && sense * self.curve_abscissa(strain) >= last_knot {
             self.strains[0] = strain - 2.0 * sense * last_knot;
             self.open = 1;
             self.stress = self.stress_from_strains(curve);
@@ -132,7 +132,7 @@ impl Reversals {
         if self.is_virgin() || sense == self.sense() {
             return;
         }
-        if self.open == MOST {
+        if self.open == MAX_REVERSALS {
             return self.merge(curve);
         }
         self.strains[self.open] = self.tip;
@@ -175,9 +175,9 @@ impl Reversals {
     ) {
         self.turn(curve, sense);
         while sense * stress >= sense * self.stress_at(curve, self.end(sense)) && self.pass_end(curve, sense) {}
-        let z = z_at((sense * (stress - self.stress) / self.size()).max(0.0));
+        let z = z_at((sense * (stress - self.stress) / self.scale()).max(0.0));
         if z > yield_stress {
-            self.tip = self.start() + sense * self.size() * z;
+            self.tip = self.start() + sense * self.scale() * z;
         } else if self.open > 0 {
             self.open -= 1;
             self.tip = self.strains[self.open];
@@ -187,20 +187,20 @@ impl Reversals {
         }
     }
 
-    /// Opens a reversal at the tip when [`MOST`] are already open. Of the four latest, tip included, the middle two are forgotten, and the
+    /// Opens a reversal at the tip when [`MAX_REVERSALS`] are already open. Of the four latest, tip included, the middle two are forgotten, and the
     /// first is moved inwards such that strain and stress at the tip are unchanged, as if the point had come there by
     /// way of that reversal. The outer loops remain exact; on the way back to them the stress has an error. Measured for aluminium with a yield
     /// stress of 95 MPa in 40 lines: at most 4.2 MPa after 60 half-cycles starting at a strain of 1 %, each smaller than the previous one by
     /// 1 % to 20 %; and at most 5.8 MPa in 300 histories of 100 random strains up to 1 % (with 0.4 merges per history).
     fn merge(&mut self, curve: &impl Backbone) {
         let stress = self.stress_at(curve, self.tip);
-        let (mut inner, mut outer) = (self.strains[MOST - 1], self.strains[MOST - 3]);
+        let (mut inner, mut outer) = (self.strains[MAX_REVERSALS - 1], self.strains[MAX_REVERSALS - 3]);
         let sense = 1.0_f64.copysign(outer - inner);
-        self.strains[MOST - 2] = self.tip;
-        self.open = MOST - 1;
+        self.strains[MAX_REVERSALS - 2] = self.tip;
+        self.open = MAX_REVERSALS - 1;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (inner + outer);
-            self.strains[MOST - 3] = middle;
+            self.strains[MAX_REVERSALS - 3] = middle;
             if sense * (self.stress_from_strains(curve) - stress) > 0.0 {
                 inner = middle;
             } else {
@@ -208,7 +208,7 @@ impl Reversals {
             }
         }
         self.stress = stress;
-        self.strains[MOST - 1] = 0.0;
+        self.strains[MAX_REVERSALS - 1] = 0.0;
     }
 }
 
@@ -246,15 +246,15 @@ mod tests {
 
     #[test]
     fn one_reversal_too_many_keeps_strain_and_stress() {
-        let full = swung(MOST as u32 + 1, 0.95);
-        assert_eq!(full.open, MOST);
+        let full = swung(MAX_REVERSALS as u32 + 1, 0.95);
+        assert_eq!(full.open, MAX_REVERSALS);
         let mut point = full;
         let stress = point.stress_at(&curve(), point.tip());
         point.turn(&curve(), -full.sense());
-        assert_eq!((point.open, point.tip(), point.stress), (MOST - 1, full.tip(), stress));
+        assert_eq!((point.open, point.tip(), point.stress), (MAX_REVERSALS - 1, full.tip(), stress));
         assert!((point.stress_from_strains(&curve()) - stress).abs() < 1e-14);
         // Loops are still nested, and the outer ones are unchanged.
-        assert_eq!(point.strains[..MOST - 3], full.strains[..MOST - 3]);
+        assert_eq!(point.strains[..MAX_REVERSALS - 3], full.strains[..MAX_REVERSALS - 3]);
         let ranges: Vec<f64> = point.strains[..point.open].windows(2).map(|w| (w[1] - w[0]).abs()).collect();
         assert!(ranges.windows(2).all(|w| w[1] < w[0]), "{ranges:?}");
     }

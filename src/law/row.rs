@@ -20,7 +20,7 @@ pub struct Row<'a> {
     pub work: Option<&'a mut [f64]>,
     /// Set to the part of the work that is not done by the mean stress of the step: (`sigma_onset` - `sigma_before`) * E `d_eps_plastic`, Pa^2.
     /// `None` unless needed cell by cell.
-    pub turned: Option<&'a mut [f64]>,
+    pub onset_correction: Option<&'a mut [f64]>,
     /// Set to E `d_eps_plastic`, Pa, in cells that flow by more than rounding, to 0 in others. The values of the previous step only decide by which
     /// operations a result is computed, not the result.
     pub flow: &'a mut [f32],
@@ -33,8 +33,8 @@ pub struct Row<'a> {
 pub struct Advanced {
     /// Sum of [`Row::work`] over the cells that were advanced, Pa^2.
     pub work: f64,
-    /// Sum of [`Row::turned`] over these cells, Pa^2.
-    pub turned: f64,
+    /// Sum of [`Row::onset_correction`] over these cells, Pa^2.
+    pub onset_correction: f64,
     /// E times the largest accumulated plastic strain among these cells, Pa.
     pub accumulated: f64,
 }
@@ -44,28 +44,29 @@ pub struct Advanced {
 #[derive(Default)]
 struct Totals {
     work: [f64; LANES],
-    turned: [f64; LANES],
+    onset_correction: [f64; LANES],
     largest: f64,
 }
 
 /// Advances a row by one step, each cell independently of the others.
 pub(super) fn advance<L: CellLaw<N>, const N: usize>(law: &L, row: Row<'_>, state: &mut [f64]) -> Advanced {
-    let Row { gain, v, sigma, mut work, mut turned, flow, cells: Range { start, end } } = row;
+    let Row { gain, v, sigma, mut work, mut onset_correction, flow, cells: Range { start, end } } = row;
     let mut totals = Totals::default();
     let whole = start..end - (end - start) % CHUNK;
     let few = whole.end..end;
-    let asked = [work.as_deref_mut(), turned.as_deref_mut()];
+    let asked = [work.as_deref_mut(), onset_correction.as_deref_mut()];
     step(law, gain, v, sigma, flow, state, asked, whole, &mut totals);
     // Remaining cells, fewer than a chunk, are copied into a chunk of their own that is filled up with cells at rest.
     if !few.is_empty() {
         let mut copy = Copied::<N>::of(few.clone(), v, sigma, state);
-        let Copied { v, sigma: stresses, state: columns, work: works, turned: turns, flow: flows } = &mut copy;
-        let asked = [Some(&mut works[..]), Some(&mut turns[..])];
+        let Copied { v, sigma: stresses, state: columns, work: works, onset_correction: corrections, flow: flows } =
+            &mut copy;
+        let asked = [Some(&mut works[..]), Some(&mut corrections[..])];
         step(law, gain, &v[..], stresses, flows, columns.as_flattened_mut(), asked, 0..CHUNK, &mut totals);
-        copy.put_back(few, sigma, flow, state, [work, turned]);
+        copy.put_back(few, sigma, flow, state, [work, onset_correction]);
     }
-    let [work, turned] = [totals.work, totals.turned].map(|total| total.iter().sum());
-    Advanced { work, turned, accumulated: totals.largest }
+    let [work, onset_correction] = [totals.work, totals.onset_correction].map(|total| total.iter().sum());
+    Advanced { work, onset_correction, accumulated: totals.largest }
 }
 
 /// Splits the state of a row into one slice per state variable.
@@ -97,7 +98,7 @@ struct Copied<const N: usize> {
     sigma: [f64; CHUNK],
     state: [[f64; CHUNK]; N],
     work: [f64; CHUNK],
-    turned: [f64; CHUNK],
+    onset_correction: [f64; CHUNK],
     flow: [f32; CHUNK],
 }
 
@@ -109,7 +110,7 @@ impl<const N: usize> Copied<N> {
             sigma: zeros,
             state: [zeros; N],
             work: zeros,
-            turned: zeros,
+            onset_correction: zeros,
             flow: [0.0; CHUNK],
         };
         copy.v[..n].copy_from_slice(&v[cells.clone()]);
@@ -132,7 +133,7 @@ impl<const N: usize> Copied<N> {
         for (values, column) in self.state.iter().zip(state.chunks_exact_mut(sigma.len())) {
             column[cells.clone()].copy_from_slice(&values[..n]);
         }
-        for (asked, values) in asked.into_iter().zip([&self.work, &self.turned]) {
+        for (asked, values) in asked.into_iter().zip([&self.work, &self.onset_correction]) {
             if let Some(asked) = asked {
                 asked[cells.clone()].copy_from_slice(&values[..n]);
             }
@@ -152,7 +153,7 @@ fn read<const N: usize>(columns: &[&mut [f64; CHUNK]; N], i: usize) -> [f64; N] 
     state
 }
 
-/// Advances whole chunks of a row by one step. `asked` are [`Row::work`] and [`Row::turned`].
+/// Advances whole chunks of a row by one step. `asked` are [`Row::work`] and [`Row::onset_correction`].
 ///
 /// Each row is an argument of its own, not part of a structure: the compiler then knows that the rows do not overlap, and need not check this in
 /// every chunk.
@@ -170,7 +171,7 @@ fn step<L: CellLaw<N>, const N: usize>(
     totals: &mut Totals,
 ) {
     let mut columns = columns::<N>(state, sigma.len());
-    let [mut asked_work, mut asked_turned] = asked;
+    let [mut asked_work, mut asked_correction] = asked;
     let [mut predictor, mut abscissa, mut table] = [const { Aligned([0.0; CHUNK]) }; 3];
     let (predictor, abscissa, table) = (&mut predictor.0, &mut abscissa.0, &mut table.0);
     let [mut plastic, mut work, mut turned_work] = [const { Aligned([0.0; CHUNK]) }; 3];
@@ -178,12 +179,12 @@ fn step<L: CellLaw<N>, const N: usize>(
     for from in cells.step_by(CHUNK) {
         let [left, right] = [cut(v, from), cut(v, from + 1)];
         let (sigma, flow, mut columns) = (cut_mut(sigma, from), cut_mut(flow, from), cut_columns(&mut columns, from));
-        let [asked_work, asked_turned] =
-            [&mut asked_work, &mut asked_turned].map(|asked| asked.as_deref_mut().map(|asked| cut_mut(asked, from)));
+        let [asked_work, asked_correction] = [&mut asked_work, &mut asked_correction]
+            .map(|asked| asked.as_deref_mut().map(|asked| cut_mut(asked, from)));
         // Cells that flowed in the previous step mostly still flow.
         let may_be_elastic = L::BOUNDS_ELASTICITY && !piece_flows(flow);
         if may_be_elastic && let Some(largest) = stay_elastic(law, gain, [left, right], sigma, &columns, predictor) {
-            for asked in [asked_work, asked_turned].into_iter().flatten() {
+            for asked in [asked_work, asked_correction].into_iter().flatten() {
                 asked.fill(0.0);
             }
             totals.largest = largest.max(totals.largest);
@@ -230,12 +231,12 @@ fn step<L: CellLaw<N>, const N: usize>(
             for i in 0..CHUNK {
                 flow[i] = flow_of(plastic[i], work[i], sigma[i]);
             }
-            add(&mut totals.turned, &added);
-            if let Some(turned) = asked_turned {
-                *turned = added;
+            add(&mut totals.onset_correction, &added);
+            if let Some(onset_correction) = asked_correction {
+                *onset_correction = added;
             }
-        } else if let Some(turned) = asked_turned {
-            turned.fill(0.0);
+        } else if let Some(onset_correction) = asked_correction {
+            onset_correction.fill(0.0);
         }
         // The shift discards the sign.
         if flowed << 1 != 0 {
@@ -295,10 +296,10 @@ fn timed<L: CellLaw<N>, const N: usize>(
         predictor[i] = law.base(sigma[i], read(columns, i)) + gain * (right[i] - left[i]);
     }
     let mut steps = Steps::unknown();
-    law.respond_to_most(sigma, predictor, columns.each_ref().map(|column| &**column), &mut steps);
+    law.respond_batch(sigma, predictor, columns.each_ref().map(|column| &**column), &mut steps);
     for i in 0..CHUNK {
         if steps.known[i] == 0 {
-            steps.set(i, &law.respond_to_other(sigma[i], predictor[i], read(columns, i)));
+            steps.set(i, &law.respond_scalar(sigma[i], predictor[i], read(columns, i)));
         }
     }
     steps
@@ -436,7 +437,7 @@ mod tests {
     fn assert_bits_of_cells<L: CellLaw<N>, const N: usize>(law: &L) {
         for cells in [1, 7, 8, 63, 64, 65, 200, 256] {
             let (mut sigma, mut state) = (vec![0.0; cells], vec![0.0; N * cells]);
-            let (mut work, mut turned, mut flow) = (vec![1.0; cells], vec![1.0; cells], vec![7.0; cells]);
+            let (mut work, mut onset_correction, mut flow) = (vec![1.0; cells], vec![1.0; cells], vec![7.0; cells]);
             let mut flowed = 0;
             for step in 0..40 {
                 let v = if step < 30 { noisy(step, cells) } else { halving(&sigma) };
@@ -446,12 +447,12 @@ mod tests {
                     v: &v,
                     sigma: &mut sigma,
                     work: Some(&mut work),
-                    turned: Some(&mut turned),
+                    onset_correction: Some(&mut onset_correction),
                     flow: &mut flow,
                     cells: 0..cells,
                 };
                 let advanced = advance(law, row, &mut state);
-                let (mut sums, mut turned, mut largest) = ([0.0; LANES], [0.0; LANES], 0.0_f64);
+                let (mut sums, mut onset_correction, mut largest) = ([0.0; LANES], [0.0; LANES], 0.0_f64);
                 for i in 0..cells {
                     let before = std::array::from_fn(|k| state_before[k * cells + i]);
                     let predictor = law.base(sigma_before[i], before) + MODULUS * (v[i + 1] - v[i]);
@@ -464,13 +465,17 @@ mod tests {
                     let expected = if flows(of_cell, sigma[i]) { after.plastic as f32 } else { 0.0 };
                     assert_eq!(flow[i], expected, "flow of cell {i}");
                     sums[i % LANES] += of_cell;
-                    turned[i % LANES] += of_cell - of_mean;
+                    onset_correction[i % LANES] += of_cell - of_mean;
                     largest = largest.max(law.accumulated(after.state));
                     flowed += usize::from(flow[i] != 0.0);
                 }
                 assert_eq!(
                     advanced,
-                    Advanced { work: sums.iter().sum(), turned: turned.iter().sum(), accumulated: largest }
+                    Advanced {
+                        work: sums.iter().sum(),
+                        onset_correction: onset_correction.iter().sum(),
+                        accumulated: largest
+                    }
                 );
             }
             assert!(flowed > 0, "nothing flowed");
@@ -516,7 +521,7 @@ mod tests {
                 v: &v,
                 sigma: &mut sigma,
                 work: Some(&mut work),
-                turned: None,
+                onset_correction: None,
                 flow: &mut flow,
                 cells: stepped,
             };

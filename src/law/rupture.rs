@@ -95,7 +95,7 @@ impl Criterion {
     }
 
     /// Returns true if strain that grows without bound at constant stress meets the criterion.
-    pub fn ends_gathering(&self) -> bool {
+    pub fn met_by_unbounded_strain(&self) -> bool {
         self.threshold.is_finite() && self.cause != Cause::Spall
     }
 
@@ -105,7 +105,7 @@ impl Criterion {
     }
 
     /// Returns E times the strain below which no section can break, Pa. `None` if strain is not the criterion.
-    pub fn least_reach(&self) -> Option<f64> {
+    pub fn strain_threshold(&self) -> Option<f64> {
         (self.cause == Cause::CriticalStrain).then_some(self.threshold)
     }
 

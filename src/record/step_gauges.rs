@@ -122,9 +122,9 @@ impl StepGauges {
 fn initial(segment: &Segment, x: f64, same_place: f64) -> (Initial, f64) {
     let Some(profile) = &segment.profile else { return (segment.initial, segment.velocity) };
     if x + same_place >= segment.length {
-        return (profile.beside(segment.length, 0), profile.velocity.before(segment.length));
+        return (profile.one_sided_limit(segment.length, 0), profile.velocity.before(segment.length));
     }
-    (profile.beside(x + same_place, 1), profile.velocity.at(x + same_place))
+    (profile.one_sided_limit(x + same_place, 1), profile.velocity.at(x + same_place))
 }
 
 impl StepGauge {

@@ -129,7 +129,7 @@ impl StartingFan {
             side: usize::from(initial_fan.direction < 0.0),
             at_joint,
             driver: initial_fan.driver,
-            unloading: initial_fan.lessens().then(|| Unloading::new(unloading_speed, brought)),
+            unloading: initial_fan.decays().then(|| Unloading::new(unloading_speed, brought)),
             yields_after: initial_fan.yields_after,
             placed: 0.0,
             owed: 0.0,
@@ -140,7 +140,7 @@ impl StartingFan {
             stress,
             impedance: density * unloading_speed,
             slow_impedance: density * initial_fan.slowing(wave_speed),
-            ramp: dx * ramp.min((2.0 * START_CELLS * BELOW / initial_fan.loses(followed)).max(LEAST_RAMP)),
+            ramp: dx * ramp.min((2.0 * START_CELLS * BELOW / initial_fan.fraction_lost(followed)).max(LEAST_RAMP)),
             from: initial_fan.from,
             by_wave,
             first: first as usize,
@@ -486,7 +486,7 @@ mod tests {
         let fan = fan_at_velocity(&curve, DENSITY, 30.0);
         let initial_fan = InitialFan {
             sudden: true,
-            lessens_from: if driver == Driver::Body { 0.0 } else { f64::INFINITY },
+            decays_from: if driver == Driver::Body { 0.0 } else { f64::INFINITY },
             driver,
             alone: true,
             ..InitialFan::steady((Origin::Left, 1.0), 0, (Sense::Compression, &curve), fan)

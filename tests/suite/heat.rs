@@ -238,7 +238,8 @@ fn along(material: &Material, path: &[f64], steps: usize, effects: &Effects) -> 
         for _ in 0..steps {
             let v = [0.0, increment];
             let flow = &mut [0.0];
-            let row = Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: None, turned: None, flow, cells: 0..1 };
+            let row =
+                Row { gain: MODULUS, v: &v, sigma: &mut sigma, work: None, onset_correction: None, flow, cells: 0..1 };
             law.advance(row, &mut state);
         }
         strain = to;

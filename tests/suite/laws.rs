@@ -148,11 +148,11 @@ fn flows_on<L: CellLaw<N>, const N: usize>(law: &L, reach: f64, unloads: bool) {
     let plastic = point.step(5e-4 * reach);
     for size in [1e2, 1e4, 1e6] {
         // Flow that is large enough to include reverse flow, as in scene 14554826157596581714, must not produce energy.
-        if let Some((after, work)) = law.flow_on(point.sigma, size * plastic, point.state) {
+        if let Some((after, work)) = law.complete_flow(point.sigma, size * plastic, point.state) {
             assert!(after.plastic * plastic > 0.0 && work > 0.0, "{after:?}, {work:e} of {plastic:e} times {size:e}");
         }
     }
-    let flowed = law.flow_on(point.sigma, 0.5 * plastic, point.state);
+    let flowed = law.complete_flow(point.sigma, 0.5 * plastic, point.state);
     assert_eq!(flowed.is_some(), unloads, "{plastic:e}: {flowed:?}");
     let Some((after, work)) = flowed else { return };
     assert!((after.plastic / plastic - 0.5).abs() < 1e-9, "{:e} of {plastic:e}", after.plastic);

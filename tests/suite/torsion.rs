@@ -357,7 +357,7 @@ fn the_pattern_of_stress_that_a_rod_keeps_is_felt_only_past_zero_torque() {
             let next = if i <= 1000 { top * f64::from(i) / 1000.0 } else { top * (1.0 - f64::from(i - 1000) / 1000.0) };
             let v = &[strain, next];
             let flow = &mut [0.0];
-            let row = Row { gain: G, v, sigma: &mut sigma, work: None, turned: None, flow, cells: 0..1 };
+            let row = Row { gain: G, v, sigma: &mut sigma, work: None, onset_correction: None, flow, cells: 0..1 };
             law.advance(row, &mut state);
             strain = next;
             let truth = layers.turn_to(next);

@@ -57,14 +57,14 @@ impl EndModel for Ball {
         self.velocity += change;
     }
 
-    fn give(&mut self, dt: f64, impulse: f64, _: f64) -> f64 {
+    fn apply_impulse(&mut self, dt: f64, impulse: f64, _: f64) -> f64 {
         let change = -impulse / self.mass;
         self.velocity += change;
         self.approach += 0.5 * dt * change;
         0.0
     }
 
-    fn shift(&mut self, farther: f64) {
+    fn add_displacement(&mut self, farther: f64) {
         self.approach -= farther;
     }
 
@@ -85,11 +85,11 @@ impl EndModel for Ball {
         0.5 * self.mass * self.velocity * self.velocity + self.contact.energy(self.approach)
     }
 
-    fn follows_place(&self) -> bool {
+    fn depends_on_displacement(&self) -> bool {
         true
     }
 
-    fn stores(&self) -> bool {
+    fn is_conservative(&self) -> bool {
         true
     }
 

@@ -199,12 +199,12 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
 
     /// Applies an additional impulse (N s, into the bar) from a body to the bar in the latest step of `dt` (s). Returns the change of velocity (m/s,
     /// into the bar) with which a face of this `mass` (kg) stays in contact with the body; the body supplies the impulse for that, too.
-    fn give(&mut self, _dt: f64, _impulse: f64, _mass: f64) -> f64 {
+    fn apply_impulse(&mut self, _dt: f64, _impulse: f64, _mass: f64) -> f64 {
         0.0
     }
 
     /// Adds a displacement of the face (m, into the bar) in the latest step to that of its push.
-    fn shift(&mut self, _farther: f64) {}
+    fn add_displacement(&mut self, _farther: f64) {}
 
     /// Returns the body that moves at this end, if there is one.
     fn body(&self) -> Option<Body> {
@@ -234,7 +234,7 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
     }
 
     /// Returns true if the work of the end is the energy that it loses: it stores energy, or does no work at all, as a wall.
-    fn stores(&self) -> bool {
+    fn is_conservative(&self) -> bool {
         false
     }
 
@@ -244,7 +244,7 @@ pub trait EndModel: std::fmt::Debug + Send + Sync {
     }
 
     /// Returns true if the end depends on the position of the face, not only on its velocity.
-    fn follows_place(&self) -> bool {
+    fn depends_on_displacement(&self) -> bool {
         false
     }
 

@@ -40,11 +40,11 @@ impl EndModel for Spring {
         0.5 * self.stiffness * displacement * displacement
     }
 
-    fn follows_place(&self) -> bool {
+    fn depends_on_displacement(&self) -> bool {
         true
     }
 
-    fn stores(&self) -> bool {
+    fn is_conservative(&self) -> bool {
         true
     }
 

@@ -57,7 +57,7 @@ impl EndModel for Striker {
         self.gap = if held || gap <= rounding { 0.0 } else { gap };
     }
 
-    fn give(&mut self, dt: f64, impulse: f64, mass: f64) -> f64 {
+    fn apply_impulse(&mut self, dt: f64, impulse: f64, mass: f64) -> f64 {
         if self.mass == 0.0 {
             return 0.0;
         }
@@ -81,7 +81,7 @@ impl EndModel for Striker {
         0.5 * self.mass * self.velocity * self.velocity
     }
 
-    fn stores(&self) -> bool {
+    fn is_conservative(&self) -> bool {
         true
     }
 
@@ -106,7 +106,7 @@ mod tests {
     fn what_a_striker_gives_keeps_momentum_and_closes_the_gap() {
         let (dt, mass) = (1e-7, 0.02);
         let mut striker = Striker { mass: 0.5, velocity: 30.0, gap: 2e-8 };
-        let change = striker.give(dt, 0.3, mass);
+        let change = striker.apply_impulse(dt, 0.3, mass);
         assert!((0.5 * striker.velocity + 0.3 + mass * change - 15.0).abs() < 1e-14);
         // The face moves with the body's mean velocity over the step, and catches up with it.
         let gap = 2e-8 + dt * (change - 0.5 * (striker.velocity - 30.0));

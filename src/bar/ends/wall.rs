@@ -19,7 +19,7 @@ impl EndModel for Wall {
         Some((self.gap + displacement).max(0.0))
     }
 
-    fn stores(&self) -> bool {
+    fn is_conservative(&self) -> bool {
         // A wall does no work. In a step in which the face arrives, force times velocity is not zero only because both are means over the step.
         true
     }

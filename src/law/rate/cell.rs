@@ -16,8 +16,8 @@
 //!
 //! Most cells are advanced side by side, see [`super::most`] and [`super::many`]; the code below is for the others.
 
-use super::many::step_most;
-use super::most::Pieces;
+use super::malvern_batch::Pieces;
+use super::secant_batch::step_batch;
 use super::step::{Flowing, readings_of_state, step};
 use super::{Driven, History, Overstress, RateLaw, RelaxationStep};
 use crate::law::{CellLaw, Deformed, Response, Steps, respond_alone};
@@ -106,7 +106,7 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
     }
 
     #[inline(always)]
-    fn respond_to_most<const W: usize>(
+    fn respond_batch<const W: usize>(
         &self,
         sigma: &[f64; W],
         predictor: &[f64; W],
@@ -118,14 +118,14 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
             let pieces = Pieces { curves: self.law.curves(), parts, kinematic: self.law.moving() };
             return pieces.step(sigma, predictor, state, after);
         }
-        step_most(&self.law, self.time, None, [sigma, predictor], state, after);
+        step_batch(&self.law, self.time, None, [sigma, predictor], state, after);
     }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         respond_alone(self, sigma, predictor, state)
     }
 
-    fn respond_to_other(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+    fn respond_scalar(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let mut cell = Cell {
             law: &self.law,
             relaxation_step: &self.relaxation_step,
@@ -134,7 +134,7 @@ impl<const N: usize> CellLaw<N> for Timed<N> {
         };
         let step = step(&mut cell, sigma, predictor, self.time);
         let History { accumulated, signed, back, .. } = cell.history;
-        let after = [accumulated, signed, step.quickness, step.overstress, state[4] + step.work, back];
+        let after = [accumulated, signed, step.step_per_relaxation_time, step.overstress, state[4] + step.work, back];
         Response { sigma: predictor - step.plastic, state: std::array::from_fn(|k| after[k]), plastic: step.plastic }
     }
 }

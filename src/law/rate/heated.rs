@@ -13,7 +13,7 @@
 //! cools by the fraction beta of it, as it warmed when the work was stored. A law that separates stored and dissipated work differently
 //! (Rosakis et al., J. Mech. Phys. Solids 48, 2000) would need a measured beta that depends on the path.
 
-use super::many::{FOUND, MOLTEN, TemperatureRise, step_most};
+use super::secant_batch::{FOUND, MOLTEN, TemperatureRise, step_batch};
 use super::step::{Flowing, readings_of_state, step};
 use super::{Course, Driven, History, Overstress, RateLaw};
 use crate::law::{CellLaw, Deformed, Response, Steps, respond_alone};
@@ -174,7 +174,7 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
     }
 
     #[inline(always)]
-    fn respond_to_most<const W: usize>(
+    fn respond_batch<const W: usize>(
         &self,
         sigma: &[f64; W],
         predictor: &[f64; W],
@@ -183,20 +183,28 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
     ) {
         let Self { time, rise, heating, .. } = self;
         let temperature = TemperatureRise { rise: *rise, range: heating.range(), exponent: heating.exponent };
-        step_most(&self.law, *time, Some(temperature), [sigma, predictor], state, after);
+        step_batch(&self.law, *time, Some(temperature), [sigma, predictor], state, after);
     }
 
     fn respond(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         respond_alone(self, sigma, predictor, state)
     }
 
-    fn respond_to_other(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
+    fn respond_scalar(&self, sigma: f64, predictor: f64, state: [f64; N]) -> Response<N> {
         let history = self.history(state);
         let (rise, softening) = (state[5], self.softening(state[5]));
         let mut cell = Cell { heated: self, history, rise, softening, latest: [rise, softening].into() };
         let step = step(&mut cell, sigma, predictor, self.time);
         let History { accumulated, signed, back, .. } = cell.history;
-        let after = [accumulated, signed, step.quickness, step.overstress, state[4] + step.work, cell.rise, back];
+        let after = [
+            accumulated,
+            signed,
+            step.step_per_relaxation_time,
+            step.overstress,
+            state[4] + step.work,
+            cell.rise,
+            back,
+        ];
         Response { sigma: predictor - step.plastic, state: std::array::from_fn(|k| after[k]), plastic: step.plastic }
     }
 

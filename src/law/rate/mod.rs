@@ -29,10 +29,10 @@ mod closed;
 mod driven;
 mod hardening;
 mod heated;
-mod many;
-mod most;
+mod malvern_batch;
 mod node;
 mod overstress;
+mod secant_batch;
 mod step;
 
 pub use cell::Timed;
@@ -42,10 +42,10 @@ use driven::relaxed;
 use hardening::Sides;
 pub use hardening::{Hardening, Piece};
 pub use heated::Heated;
-#[cfg(test)]
-pub(super) use many::tests::{LAWS, heating};
 pub use node::NodeStep;
 pub use overstress::Overstress;
+#[cfg(test)]
+pub(super) use secant_batch::tests::{LAWS, heating};
 use serde::{Deserialize, Serialize};
 
 use super::{Deformed, Table};
@@ -179,13 +179,13 @@ impl RateLaw {
     /// Returns the lower and the upper stress between which a cell is elastic, Pa.
     #[inline]
     pub fn limits(&self, history: &History) -> [f64; 2] {
-        let reach = |sense: usize| -> f64 {
+        let limit = |sense: usize| -> f64 {
             let side = self.side(sense);
             let f = side.pieces()[history.piece[sense] as usize].at(history.accumulated);
             if self.kinematic == 0.0 || f == f64::INFINITY { f } else { f - self.kinematic * (f - side.yield_stress()) }
         };
-        let up = reach(0);
-        let down = if self.hardening.len() == 1 { up } else { reach(1) };
+        let up = limit(0);
+        let down = if self.hardening.len() == 1 { up } else { limit(1) };
         [history.back - down, history.back + up]
     }
 
@@ -360,7 +360,7 @@ impl RateLaw {
 
 #[cfg(test)]
 mod tests {
-    use super::many::tests::heating;
+    use super::secant_batch::tests::heating;
     use super::*;
     use crate::law::CellLaw;
     use crate::material::{Beyond, Curve};
@@ -426,7 +426,7 @@ mod tests {
                 let increment = 1e8 * part.sin() * (1.0 + (7.0 * part).cos());
                 let after = law.respond(sigma, sigma + increment, state);
                 if increment * after.plastic > 0.0 {
-                    assert!(law.keeps_up(after.state), "m = {exponent}, step {step}: {after:?}");
+                    assert!(law.is_relaxed(after.state), "m = {exponent}, step {step}: {after:?}");
                     flowing += 1;
                 }
                 (sigma, state) = (after.sigma, after.state);

@@ -1,7 +1,7 @@
 //! Common parts of the rate laws: a step of given strain, the first five state variables, and the flow criterion.
 //!
-//! State: `[E p accumulated, E eps_p signed, quickness, signed overstress, work of the overstress times E, ..]`. The quickness
-//! is the flow of the latest step over the overstress that changes the rate by a factor e, i.e. the ratio of the step to the relaxation time.
+//! State: `[E p accumulated, E eps_p signed, step per relaxation time, signed overstress, work of the overstress times E, ..]`. The third is
+//! the flow of the latest step over the overstress that changes the rate by a factor e, i.e. the ratio of the step to the relaxation time.
 
 use super::{Driven, Overstress};
 use crate::root::Tolerance;
@@ -10,10 +10,10 @@ use crate::root::Tolerance;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Marks an overstress that the latest step removed completely.
-pub(super) const GONE: f64 = f64::MIN_POSITIVE;
+pub(super) const FULLY_RELAXED: f64 = f64::MIN_POSITIVE;
 
 /// Ratio of the step to the relaxation time above which a cell loses at least half of an overstress within half a step.
-pub(super) const QUICK: f64 = 2.0 * std::f64::consts::LN_2;
+pub(super) const FAST_RELAXATION: f64 = 2.0 * std::f64::consts::LN_2;
 
 /// A cell that flows, as seen by an overstress law between two instants of a step.
 pub(super) trait Flowing {
@@ -43,10 +43,10 @@ pub(super) struct Step {
     pub plastic: f64,
     /// E times the work of the overstress, Pa^2, >= 0.
     pub work: f64,
-    /// Signed overstress at the end, Pa; [`GONE`] if the cell flows and ends on the static curve.
+    /// Signed overstress at the end, Pa; [`FULLY_RELAXED`] if the cell flows and ends on the static curve.
     pub overstress: f64,
     /// Ratio of the step to the relaxation time.
-    pub quickness: f64,
+    pub step_per_relaxation_time: f64,
 }
 
 /// Computes a step of length `time` from stress `sigma` to the elastic predictor `predictor`, Pa: elastic up to a limit, then flow, and
@@ -90,11 +90,11 @@ impl Step {
         let stays = flow > 0.0 && (driven.rise >= 0.0 || left >= -least);
         let size = match left {
             left if left > least => left,
-            _ if stays => GONE,
+            _ if stays => FULLY_RELAXED,
             _ => 0.0,
         };
         self.overstress = if sense == 0 { size } else { -size };
-        self.quickness = if left > least { flow / width(cell, left, sense) } else { 0.0 };
+        self.step_per_relaxation_time = if left > least { flow / width(cell, left, sense) } else { 0.0 };
     }
 }
 
@@ -237,9 +237,9 @@ macro_rules! readings_of_state {
         /// Returns true if the cell is loaded and loses at least half of an overstress within half a step: it follows the curve of its strain
         /// rate. A cell that unloaded within the step has no overstress at its end.
         #[inline]
-        fn keeps_up(&self, state: [f64; N]) -> bool {
-            use $crate::law::rate::step::{GONE, QUICK};
-            state[3].abs() == GONE || (state[3] != 0.0 && state[2] >= QUICK)
+        fn is_relaxed(&self, state: [f64; N]) -> bool {
+            use $crate::law::rate::step::{FAST_RELAXATION, FULLY_RELAXED};
+            state[3].abs() == FULLY_RELAXED || (state[3] != 0.0 && state[2] >= FAST_RELAXATION)
         }
     };
 }

@@ -137,7 +137,7 @@ impl Checker<'_> {
         let profile =
             InitialProfile { velocity: or_zero(velocity), stress, plastic_strain, accumulated, temperature_rise };
         if profile.is_uniform() {
-            (segment.velocity, segment.initial) = (profile.velocity.at(0.0), profile.beside(0.0, 1));
+            (segment.velocity, segment.initial) = (profile.velocity.at(0.0), profile.one_sided_limit(0.0, 1));
             return Ok(());
         }
         segment.velocity = match &segment.taper {

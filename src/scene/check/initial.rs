@@ -237,7 +237,7 @@ fn states(given: &Given<'_>, corners: &[f64]) -> Vec<(Initial, String)> {
     places.dedup();
     let of = |x: f64| {
         let words = std::format!(" at x = {}", format(given.x0 + x, Dimension::Length, System::Si));
-        [0, 1].map(|side| (profile.beside(x, side), words.clone()))
+        [0, 1].map(|side| (profile.one_sided_limit(x, side), words.clone()))
     };
     places.into_iter().flat_map(of).collect()
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-use super::grid_filter::{self, Beside, Filter, Gaps};
+use super::grid_filter::{self, Filter, Neighbour, VelocityDifferences};
 use super::quantity::Quantity;
 use super::segment::{Constants, SegmentLaw};
 use super::signals::{Signals, inner_nodes};
@@ -21,7 +21,7 @@ use crate::solver::energies::ShockLoss;
 
 /// Cell that flowed further before it unloaded, see [`super::stopping_flow`].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stopped {
+pub(super) struct StoppedCell {
     pub cell: usize,
     /// Stress before and after that flow, Pa.
     pub sigma: [f64; 2],
@@ -37,15 +37,20 @@ pub(super) struct Stopped {
 #[derive(Debug)]
 pub(super) struct Scratch {
     work: Aligned<[f64; MOST_CELLS]>,
-    turned: Aligned<[f64; MOST_CELLS]>,
-    gaps: Gaps,
-    stopped: Vec<Stopped>,
+    onset_correction: Aligned<[f64; MOST_CELLS]>,
+    differences: VelocityDifferences,
+    stopped: Vec<StoppedCell>,
 }
 
 impl Scratch {
     const fn new() -> Self {
         let cells = [0.0; MOST_CELLS];
-        Self { work: Aligned(cells), turned: Aligned(cells), gaps: Gaps::new(), stopped: Vec::new() }
+        Self {
+            work: Aligned(cells),
+            onset_correction: Aligned(cells),
+            differences: VelocityDifferences::new(),
+            stopped: Vec::new(),
+        }
     }
 
     /// Runs `steps` with the instance of this thread, which is filled with zeros once, not in every step.
@@ -81,7 +86,7 @@ pub(super) struct Block {
     pub active: Range<usize>,
     /// First step in which the grid filter acts: from then on, oscillations may have arrived from a place that yielded. A signal takes at
     /// least one step to pass through a block.
-    pub damps_from: usize,
+    pub filter_from_step: usize,
     /// Impulses of the grid filter (as velocity differences) in the first and in the last cell.
     pub impulses_at_edges: [f64; 2],
     /// Velocities of the first and the last inner node before the damping of the latest step, for the filter of the neighbours.
@@ -121,8 +126,8 @@ pub(super) struct Block {
     pub segment: usize,
     /// Running sum over cells and steps of the plastic work as returned by [`RowLaw::advance`], times the cells' relative areas.
     pub plastic: f64,
-    /// Likewise, running sum of [`Row::turned`].
-    pub turned: f64,
+    /// Likewise, running sum of [`Row::onset_correction`].
+    pub onset_correction: f64,
     /// Running sum of the energy that the filter took from the block's inner nodes, see [`grid_filter::apply_impulses`].
     pub damped: f64,
     /// Energy that the filter took in cells inside shocks, divided by the mass of a mean cell, (m/s)^2.
@@ -181,10 +186,10 @@ impl Block {
             flow: Vec::new(),
             have_flowed: Vec::new(),
             plastic: 0.0,
-            turned: 0.0,
+            onset_correction: 0.0,
             impulses_at_edges: [0.0; 2],
             inner: [velocity; 2],
-            damps_from: usize::MAX,
+            filter_from_step: usize::MAX,
             watched: Vec::new(),
             log: Vec::new(),
             logged_at_rest: false,
@@ -258,10 +263,10 @@ impl Block {
             flow: if self.flow.is_empty() { Vec::new() } else { self.flow.split_off(at) },
             have_flowed: if self.have_flowed.is_empty() { Vec::new() } else { self.have_flowed.split_off(at) },
             plastic: 0.0,
-            turned: 0.0,
+            onset_correction: 0.0,
             impulses_at_edges: [0.0; 2],
             inner: [0.0; 2],
-            damps_from: self.damps_from,
+            filter_from_step: self.filter_from_step,
             watched: self.watched.extract_if(.., |cell| *cell >= at).map(|cell| cell - at).collect(),
             log: Vec::new(),
             logged_at_rest: false,
@@ -295,7 +300,7 @@ impl Block {
     /// Starts the grid filter with this step if cells have flowed in the latest steps.
     pub fn note_yield(&mut self, step: usize) {
         if self.flowed_lately() {
-            self.damps_from = self.damps_from.min(step);
+            self.filter_from_step = self.filter_from_step.min(step);
         }
     }
 
@@ -359,21 +364,21 @@ impl Block {
         &mut self,
         law: &SegmentLaw,
         constants: &Constants,
-        outside: [Beside; 2],
+        outside: [Neighbour; 2],
         outer: [f64; 2],
         scratch: &'a mut Scratch,
     ) -> Option<&'a [f64]> {
         self.widen();
         let flows = self.flows();
-        let Scratch { work, turned, gaps, .. } = scratch;
+        let Scratch { work, onset_correction, differences, .. } = scratch;
         let (cells, active, v) = (self.sigma.len(), self.active.clone(), &self.v);
         let (at_left, at_right) = (active.start == 0, active.end == cells);
         let outside = [
-            if at_left { outside[0] } else { Beside::Node(v[active.start - 1]) },
-            if at_right { outside[1] } else { Beside::Node(v[active.end + 1]) },
+            if at_left { outside[0] } else { Neighbour::Node(v[active.start - 1]) },
+            if at_right { outside[1] } else { Neighbour::Node(v[active.end + 1]) },
         ];
-        gaps.read(&v[active.start..=active.end], outside, constants.rounding());
-        if !self.meets_shocks && law.has_shocks(self.reached, gaps.largest()) {
+        differences.read(&v[active.start..=active.end], outside, constants.rounding());
+        if !self.meets_shocks && law.has_shocks(self.reached, differences.largest()) {
             self.start_meeting_shocks(law.law.as_ref());
         }
         let filter = constants.filter(self.meets_shocks);
@@ -388,7 +393,7 @@ impl Block {
             );
         }
         self.impulses_at_edges = [0.0; 2];
-        if gaps.are_smooth(flows, *filter) {
+        if differences.are_smooth(flows, *filter) {
             return None;
         }
         // Cells at rest have no impulse: their nodes have equal velocities.
@@ -404,10 +409,10 @@ impl Block {
         let mean: &[f64] = if have_flowed.is_empty() {
             &[]
         } else {
-            self.mean_differences(constants.velocity_gain, outer, &mut turned.0)
+            self.mean_differences(constants.velocity_gain, outer, &mut onset_correction.0)
         };
         let row = grid_filter::Cells { flows, flow, have_flowed, sigma: &self.sigma[active.clone()], mean };
-        let anything = gaps.find(&row, *filter, &mut impulses[active.clone()]);
+        let anything = differences.find(&row, *filter, &mut impulses[active.clone()]);
         self.impulses_at_edges =
             [if at_left { impulses[0] } else { 0.0 }, if at_right { impulses[cells - 1] } else { 0.0 }];
         if !anything {
@@ -496,36 +501,36 @@ impl Block {
             return;
         }
         let (cells, active) = (self.sigma.len(), self.active.clone());
-        self.flow_on(law, &mut scratch.stopped);
-        let [work, turned] = [&mut scratch.work, &mut scratch.turned].map(|of| &mut of.0[..cells]);
+        self.complete_flow(law, &mut scratch.stopped);
+        let [work, onset_correction] = [&mut scratch.work, &mut scratch.onset_correction].map(|of| &mut of.0[..cells]);
         let row = Row {
             gain: law.stress_gain,
             v: &self.v,
             sigma: &mut self.sigma,
             // The work of each cell is needed to weight it with the cell's area; in a uniform segment the sum is sufficient.
             work: (self.keeps_work || self.taper.is_some()).then_some(&mut *work),
-            turned: self.taper.is_some().then_some(&mut *turned),
+            onset_correction: self.taper.is_some().then_some(&mut *onset_correction),
             flow: &mut self.flow,
             cells: active.clone(),
         };
         let state = &mut self.state;
         let advanced = law.law.advance(row, state);
-        let (work, turned) = (&work[active.clone()], &turned[active.clone()]);
+        let (work, onset_correction) = (&work[active.clone()], &onset_correction[active.clone()]);
         if self.keeps_work {
             self.absorbed.resize(cells, 0.0);
             for (sum, work) in self.absorbed[active.clone()].iter_mut().zip(work) {
                 *sum += *work;
             }
         }
-        let [plastic, turned] = match &self.taper {
-            None => [advanced.work, advanced.turned],
+        let [plastic, onset_correction] = match &self.taper {
+            None => [advanced.work, advanced.onset_correction],
             Some(taper) => {
-                [work, turned].map(|of| of.iter().zip(&taper.area[active.clone()]).map(|(w, a)| w * a).sum())
+                [work, onset_correction].map(|of| of.iter().zip(&taper.area[active.clone()]).map(|(w, a)| w * a).sum())
             }
         };
         self.plastic += plastic;
-        self.turned += turned;
-        self.book_stopped(law.law, &scratch.stopped);
+        self.onset_correction += onset_correction;
+        self.record_stopped(law.law, &scratch.stopped);
         self.reached = self.reached.max(advanced.accumulated);
         law.law.clear_resolved(&self.state, &mut self.flow);
         if !law.end.is_far(advanced.accumulated, 0.0) {

@@ -106,7 +106,7 @@ impl Contact {
     pub fn part(&mut self, sigma: [f64; 2], dt: f64) {
         let cells = self.cells(sigma);
         self.force = (0.25 * (cells[0] + cells[1])).min(0.0);
-        self.move_on(cells);
+        self.advance_nodes(cells);
         self.ahead.widen(dt, self.opening_rate());
     }
 
@@ -118,8 +118,8 @@ impl Contact {
         let mean = force_at(0.0, &held);
         let bounded = flows || !self.are_characteristics;
         let choice = self.impulses.choose(mean, bounded);
-        let passed_on = self.impulses.passed_on(mean, choice);
-        let bars = [0, 1].map(|k| self.sides[k].response(cells[k], passed_on));
+        let previous_force = self.impulses.previous_force(mean, choice);
+        let bars = [0, 1].map(|k| self.sides[k].response(cells[k], previous_force));
         self.now = self.ahead;
         let closer = -dt * self.opening_rate();
         let force = force_at(self.ahead.closing_rate(dt), &bars);
@@ -127,19 +127,19 @@ impl Contact {
         let force = if touches { force } else { 0.0 };
         self.have_flowed |= flows;
         if self.have_flowed || !self.are_characteristics {
-            self.impulses.push(force, mean, choice);
+            self.impulses.record_damped(force, mean, choice);
         } else {
-            self.impulses.take(force, mean);
+            self.impulses.record(force, mean);
         }
-        let before = std::mem::replace(&mut self.force, 0.5 * (force + passed_on));
-        self.ahead.lose(0.5 * (before + self.force), closer);
+        let before = std::mem::replace(&mut self.force, 0.5 * (force + previous_force));
+        self.ahead.add_lost_energy(0.5 * (before + self.force), closer);
         // A force that stops half a cell, above what its bar can carry, is not recorded as the force of the faces.
         let stops = touches && (self.force - mean).abs() > self.limit;
         // If a bar yields, the force is at first that of elastic bars; the recorded peak is limited to the smaller of the two cells'
         // forces.
         let most = if flows || self.force > self.limit { cells[0].min(cells[1]) } else { f64::INFINITY };
-        self.ahead.note(dt, if stops { mean.max(0.0) } else { self.force }, most);
-        self.move_on(cells);
+        self.ahead.record_force(dt, if stops { mean.max(0.0) } else { self.force }, most);
+        self.advance_nodes(cells);
     }
 
     /// Changes the velocities of the left and the right face before and after the current time (m/s, in +x). Returns the energy that this
@@ -175,9 +175,9 @@ impl Contact {
         self.damped
     }
 
-    fn move_on(&mut self, cells: [f64; 2]) {
+    fn advance_nodes(&mut self, cells: [f64; 2]) {
         for (side, cell) in self.sides.iter_mut().zip(cells) {
-            side.move_on(side.pushed(self.force, cell));
+            side.advance(side.velocity_under_force(self.force, cell));
         }
     }
 

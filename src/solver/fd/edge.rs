@@ -124,7 +124,7 @@ fn cell_masses(pair: &[Block], constants: &[Constants]) -> [f64; 2] {
 }
 
 /// Returns the masses (kg), sections (m^2) and elastic impedances (N s/m) of the cells on both sides of that node.
-pub(super) fn beside(pair: &[Block], constants: &[Constants], dt: f64) -> [[f64; 2]; 3] {
+pub(super) fn adjacent_cell_data(pair: &[Block], constants: &[Constants], dt: f64) -> [[f64; 2]; 3] {
     let (relative, masses) = (relative_areas(pair), cell_masses(pair, constants));
     let areas = [0, 1].map(|k| constants[pair[k].segment].area * relative[k]);
     [masses, areas, [0, 1].map(|k| masses[k] * constants[pair[k].segment].courant / dt)]
@@ -150,7 +150,14 @@ pub(super) fn contacts(
             let place = [k, segments[0], pair[1].cells.start];
             edges[k] = Edge::EMPTY;
             let yields = segments.map(|k| laws[k].yield_stress);
-            contacts.push(Contact::new(place, contact, velocities, beside(pair, constants, dt), yields, dt));
+            contacts.push(Contact::new(
+                place,
+                contact,
+                velocities,
+                adjacent_cell_data(pair, constants, dt),
+                yields,
+                dt,
+            ));
         }
     }
     contacts

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::grid_filter;
-use super::half_node::{HalfNode, Impulses, PassedOn};
+use super::half_node::{HalfNode, Impulses, PreviousForce};
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Body, EndModel, Face, Push, Response, Step};
 use crate::solver::{EndSample, EndState};
@@ -41,7 +41,7 @@ pub struct EndNode {
     displacement: f64,
     /// Work done on the bar up to the current time, and in the step ahead, J.
     work: f64,
-    to_give: f64,
+    work_ahead: f64,
     /// Work of the end's force on the node up to the current time, J.
     work_on_node: f64,
     impulse: f64,
@@ -56,7 +56,7 @@ pub struct EndNode {
     not_moved: f64,
     cells: Cells,
     /// Choice of f- in the present step, see [`Impulses::choose`].
-    passed_on: PassedOn,
+    previous_force: PreviousForce,
     /// Whether the end was suddenly made to move in the latest step.
     struck: bool,
     /// Energy taken by the grid filter, J.
@@ -140,7 +140,7 @@ impl EndNode {
             body_energy: 0.0,
             displacement: 0.0,
             work: 0.0,
-            to_give: 0.0,
+            work_ahead: 0.0,
             work_on_node: 0.0,
             impulse: 0.0,
             throughput: 0.0,
@@ -148,7 +148,7 @@ impl EndNode {
             resists: false,
             not_moved: 0.0,
             cells: Cells::Elastic,
-            passed_on: PassedOn::default(),
+            previous_force: PreviousForce::default(),
             struck: false,
             damped: 0.0,
             given_to_filter: 0.0,
@@ -206,7 +206,7 @@ impl EndNode {
             Cells::Elastic => Cells::Elastic,
             Cells::Flowing | Cells::Flowed => Cells::Flowed,
         };
-        self.passed_on = self.impulses.choose(cell, self.is_bounded());
+        self.previous_force = self.impulses.choose(cell, self.is_bounded());
     }
 
     /// Advances the node under the force `cell` (N) of the end cell; `shown` is the stress of that cell for the record, Pa.
@@ -225,25 +225,28 @@ impl EndNode {
         if self.model.gap(self.displacement).is_some() {
             self.stress = self.stress.min(0.0);
         }
-        let ahead = 2.0 * force - self.impulses.passed_on(cell, self.passed_on);
+        let ahead = 2.0 * force - self.impulses.previous_force(cell, self.previous_force);
         self.means = [self.means[1], ahead];
         (self.start, self.not_moved, self.given_to_filter) = (None, 0.0, 0.0);
         // Once cells have flowed, waves one cell long run back and forth between these cells and the end. They would open contacts in every
-        // second step; `push` damps them.
+        // second step; `record_damped` damps them.
         let impulse = self.dt
             * if self.is_characteristic() && self.cells == Cells::Elastic {
-                self.impulses.take(ahead, cell)
+                self.impulses.record(ahead, cell)
             } else {
-                self.impulses.push(ahead, cell, self.passed_on)
+                self.impulses.record_damped(ahead, cell, self.previous_force)
             };
         (self.body, self.body_energy) = (self.model.body(), self.model.energy(self.displacement));
         self.model.advance(&step, &Push { force: ahead, velocity, impulse }, met);
         let given = self.body_energy - self.model.energy(self.displacement + self.dt * velocity);
-        self.work += std::mem::replace(&mut self.to_give, if self.model.stores() { given } else { impulse * velocity });
-        self.node.move_on(velocity);
+        self.work += std::mem::replace(
+            &mut self.work_ahead,
+            if self.model.is_conservative() { given } else { impulse * velocity },
+        );
+        self.node.advance(velocity);
         self.held_for = if held { self.held_for.saturating_add(1) } else { 0 };
         (self.force, self.resists) = (force, resists);
-        self.account(previous);
+        self.record_work(previous);
         self.displacement += self.dt * self.node.after;
     }
 
@@ -278,15 +281,21 @@ impl EndNode {
 
     /// Returns the force and the velocity of a step under the force `cell` (N) of the end cell.
     fn respond(&self, step: &Step, cell: f64) -> Motion {
-        let passed_on = self.impulses.passed_on(cell, self.passed_on);
-        let bar = self.node.response(cell, passed_on);
+        let previous_force = self.impulses.previous_force(cell, self.previous_force);
+        let bar = self.node.response(cell, previous_force);
         let relation = self.model.relation(step, &bar);
         let [ahead, velocity] = relation.solve_with(&bar);
         let met = !relation.unilateral || ahead > 0.0;
         if relation.of_velocity == 0.0 || !met {
             // The force is known; the velocity follows.
-            let force = 0.5 * (passed_on + if met { ahead } else { 0.0 });
-            return Motion { force, velocity: self.node.pushed(force, cell), met, held: false, resists: false };
+            let force = 0.5 * (previous_force + if met { ahead } else { 0.0 });
+            return Motion {
+                force,
+                velocity: self.node.velocity_under_force(force, cell),
+                met,
+                held: false,
+                resists: false,
+            };
         }
         let held = relation.unilateral || relation.of_force == 0.0;
         let resists = held || relation.resists(&bar);
@@ -318,7 +327,7 @@ impl EndNode {
     }
 
     /// Fractures the bar at its end, which is free from the next step on.
-    pub(super) fn let_go(&mut self) {
+    pub(super) fn release(&mut self) {
         self.model = ends::model(&EndCondition::Free, self.face);
     }
 
@@ -331,7 +340,7 @@ impl EndNode {
         let change = self.face.inward * change;
         if self.is_held() {
             let impulse = -self.face.inward * change * self.mass;
-            let [work, taken] = self.give(impulse, self.velocity_after());
+            let [work, taken] = self.apply_impulse(impulse, self.velocity_after());
             self.damped += work - taken;
             self.given_to_filter += impulse;
             return;
@@ -347,33 +356,33 @@ impl EndNode {
         self.mass
     }
 
-    /// Changes the velocities before and after the current time by `change` (m/s, in +x); [`Self::give`] accounts for the impulse. Returns
+    /// Changes the velocities before and after the current time by `change` (m/s, in +x); [`Self::apply_impulse`] accounts for the impulse. Returns
     /// the energy that this takes, J.
     pub(super) fn impose(&mut self, change: f64) -> f64 {
         let change = self.face.inward * change;
         let velocity_increment = self.node.after - self.node.before;
         self.node.before += change;
-        self.shift(change);
+        self.add_velocity(change);
         -0.5 * self.mass * grid_filter::node(velocity_increment, change, &mut self.node.after)
     }
 
     /// Gives the bar beyond the node an impulse (N s in +x) from the end in the present step, in which the end moves with `velocity` (m/s).
     /// A body gives it from its own momentum, and takes the node with it. Returns the work on the bar and the part of it that the node
     /// gained, J.
-    pub(super) fn give(&mut self, impulse: f64, velocity: f64) -> [f64; 2] {
+    pub(super) fn apply_impulse(&mut self, impulse: f64, velocity: f64) -> [f64; 2] {
         let before = self.model.energy(self.displacement);
-        let change = self.face.inward * self.model.give(self.dt, self.face.inward * impulse, self.mass);
+        let change = self.face.inward * self.model.apply_impulse(self.dt, self.face.inward * impulse, self.mass);
         let given = before - self.model.energy(self.displacement);
         let work = if self.model.body().is_some() { given } else { impulse * velocity };
         let taken = if change == 0.0 { 0.0 } else { self.impose(change) };
-        self.book_impulse(impulse + self.mass * change);
+        self.record_impulse(impulse + self.mass * change);
         self.work += work;
         self.work_on_node += work;
         [work, taken]
     }
 
     /// Records an additional impulse (N s in +x) that the end has given to the bar.
-    pub(super) fn book_impulse(&mut self, impulse: f64) {
+    pub(super) fn record_impulse(&mut self, impulse: f64) {
         self.impulse += impulse;
         self.throughput += impulse.abs();
     }
@@ -394,9 +403,9 @@ impl EndNode {
         let more = self.node.impedance * change;
         self.force += more;
         self.by_store(|end| {
-            end.model.give(end.dt, end.dt * more, end.mass);
+            end.model.apply_impulse(end.dt, end.dt * more, end.mass);
         });
-        self.shift(change);
+        self.add_velocity(change);
         self.node.after += change;
         let impulse = 0.5 * self.dt * more;
         self.impulse += self.face.inward * impulse;
@@ -405,10 +414,10 @@ impl EndNode {
     }
 
     /// Makes the end move faster by `change` (m/s, into the bar) in the step ahead; a spring or a ball supplies the work.
-    fn shift(&mut self, change: f64) {
+    fn add_velocity(&mut self, change: f64) {
         self.by_store(|end| {
             end.displacement += end.dt * change;
-            end.model.shift(end.dt * change);
+            end.model.add_displacement(end.dt * change);
         });
     }
 
@@ -416,8 +425,8 @@ impl EndNode {
     fn by_store(&mut self, act: impl FnOnce(&mut Self)) {
         let before = self.model.energy(self.displacement);
         act(self);
-        if self.model.stores() {
-            self.to_give += before - self.model.energy(self.displacement);
+        if self.model.is_conservative() {
+            self.work_ahead += before - self.model.energy(self.displacement);
         }
     }
 
@@ -427,12 +436,12 @@ impl EndNode {
     }
 
     /// Sets the mean stress at the face over the step ahead, Pa, from which the next step takes f-.
-    pub(super) fn carry(&mut self, stress: f64) {
-        self.impulses.correct(-self.face.area * stress);
+    pub(super) fn set_stress_ahead(&mut self, stress: f64) {
+        self.impulses.set_latest(-self.face.area * stress);
     }
 
     /// Sets the recorded stress at the current time, Pa.
-    pub(super) fn show(&mut self, stress: f64) {
+    pub(super) fn set_recorded_stress(&mut self, stress: f64) {
         self.stress = stress;
     }
 
@@ -545,12 +554,12 @@ impl EndNode {
     /// end then takes the impulses of the grid filter. (The node of a stiff dashpot would respond to each with an impulse of the same size
     /// in the opposite direction, in every step in which the bar flows.)
     pub(super) fn is_held(&self) -> bool {
-        self.resists || self.model.follows_place()
+        self.resists || self.model.depends_on_displacement()
     }
 
     /// Records impulse and work by the trapezoidal rule in the end's force, the form in which the staggered scheme balances momentum and
     /// energy to round-off. The first half step starts from the initial velocity.
-    fn account(&mut self, previous: f64) {
+    fn record_work(&mut self, previous: f64) {
         let half = 0.5 * self.dt;
         let is_first = self.means[0].is_nan();
         let impulse = if is_first { half * self.force } else { half * (previous + self.force) };

@@ -34,7 +34,7 @@ impl SegmentGrid {
     }
 
     /// Returns the range of the half cells on both sides of a node that are in the segment, m from its left end.
-    pub fn beside(&self, node: usize) -> [f64; 2] {
+    pub fn nodal_interval(&self, node: usize) -> [f64; 2] {
         let (i, count) = ((node - self.cells.start) as f64, self.cells.len() as f64);
         [(i - 0.5).max(0.0), (i + 0.5).min(count)].map(|i| self.spacing * i)
     }

@@ -41,56 +41,56 @@ use crate::law::{Aligned, LANES};
 /// takes to cross the cell. Each step redistributes this fraction times the Courant number, so that the damping of a wave does not depend
 /// on the time step. At Courant number 1 a pure odd-even mode shrinks by 1 - 4 x 1/8 = 1/2 per step; values from 0.06 to 0.25 give the same
 /// errors within 5 %.
-const ZIGZAG_SHARE: f64 = 0.125;
+const ODD_EVEN_FRACTION: f64 = 0.125;
 
 /// Likewise, fraction of the part of a flowing cell's velocity difference that exceeds what its neighbours support. At 1000 cells the error
 /// of the bilinear benchmark is 2.0e-3 from 0.05 to 0.12 and grows above; that of the power-law benchmark grows slowly from 3.6e-4 at 0.05
 /// to 4.0e-4 at 0.12; and the excess plastic strain behind a suddenly applied stress of three times the yield stress falls from 0.7 % to
 /// 0.2 % between 0.05 and 0.1, and no further.
-const OVERSHOOT_SHARE: f64 = 0.1;
+const OVERSHOOT_FRACTION: f64 = 0.1;
 
-/// Likewise, fraction of the part of a flowing end cell's velocity difference that exceeds what its end supports, see [`Beside::Loaded`].
+/// Likewise, fraction of the part of a flowing end cell's velocity difference that exceeds what its end supports, see [`Neighbour::Loaded`].
 /// Behind a stress that rises to 1.2 to 3 times the yield stress in 20 to 100 steps, in bilinear bars with plastic waves of 0.05 to 0.6 c0,
 /// the excess strain is 9 to 43 % without this correction, 7 to 17 % with the fraction and the support of the other cells, and 1 to 5 %
 /// with 0.25. With 0.1 it is up to 21 %.
-const END_SHARE: f64 = 0.25;
+const END_FRACTION: f64 = 0.25;
 
 /// Likewise, largest fraction of the whole velocity difference of a flowing cell that artificial viscosity redistributes where there can be
 /// shocks, in loading and in unloading. In `runs/lock-up.toml` the error of the strain behind the shock is twice as large with 0.1 as with
 /// 0.5, for short time steps also with 0.2. In a twisted rod that unloads along its curve, the difference in stress from the Godunov scheme
 /// is twice as large with 0.5 as with 0.2.
-const VISCOUS_SHARES: [f64; 2] = [0.5, 0.2];
+const VISCOUS_FRACTIONS: [f64; 2] = [0.5, 0.2];
 
 /// Likewise, fraction of the velocity difference in a cell inside a shock that reverses the stress, once the cell has stopped unloading
 /// along the curve. In bars that are pulled and then released or pushed, along five curves followed in both directions, the stress differs
 /// from that of front tracking by 4.6 % of the mean with 200 cells and 1.7 % with 800 cells; with a fraction of 0.35 by 4.6 and 1.8 %, with
 /// 0.5 by 4.8 and 1.5 %, and peaks behind shocks are then 2 % too large.
-const CROSSING_SHARE: f64 = 0.4;
+const CROSSING_FRACTION: f64 = 0.4;
 
 /// Width of a shock, in cells. The stress that artificial viscosity adds is proportional to the square of the velocity difference (von
 /// Neumann and Richtmyer), so that the damping of smooth waves is proportional to the square of the cell size. Where the velocity changes
 /// linearly over this many cells, that stress equals the largest difference between the curve and the chord along which the shock runs.
 const SHOCK_CELLS: f64 = 4.0;
 
-/// As for [`ZIGZAG_SHARE`], fraction of the part of a velocity difference that exceeds the mean of its neighbours', in a cell that has
+/// As for [`ODD_EVEN_FRACTION`], fraction of the part of a velocity difference that exceeds the mean of its neighbours', in a cell that has
 /// flowed and does not flow in this step, where there can be shocks. It damps the elastic waves of a few cells that a shock leaves behind:
 /// a wave of 8 cells falls to a tenth over about 250 cells, one of 80 cells over 2.5e6 cells. The force at the end of a foam that locks up
 /// oscillates with half the amplitude with 0.2 compared with 0.1; with larger values, rectangular pulses in metals have errors that are
 /// larger by a third.
-const RINGING_SHARE: f64 = 0.2;
+const RINGING_FRACTION: f64 = 0.2;
 
 /// Largest fraction of a velocity difference that a step may redistribute: more would reverse an odd-even mode, and is unstable at Courant
 /// number 1. Artificial viscosity counts half: with the fraction m of the mean of the differences before and after the step, and p of the
-/// difference after it, the eigenvalues of a step for an odd-even mode (see [`largest_alternating_share`]) have the product 1 - 4 p - 4 m
+/// difference after it, the eigenvalues of a step for an odd-even mode (see [`largest_alternating_fraction`]) have the product 1 - 4 p - 4 m
 /// and the sum 2 - 4 p - 4 m - 4 C^2 (1 - 4 p - 2 m). None exceeds 1 in magnitude if p + m/2 <= 1/4 and m <= 1/2.
-const LARGEST_SHARE: f64 = 0.25;
+const LARGEST_FRACTION: f64 = 0.25;
 
 /// Returns the largest fraction of a velocity difference that alternates in sign with its neighbours: the one that damps an odd-even mode
 /// critically. At Courant number C, a step changes the velocity v and the stress s of such a mode to v' = q (v + a s) and s' = s - b v',
 /// with a b = 4 C^2 and q = 1 - 4 share, so that the eigenvalues have the product q and the sum 1 + q - 4 C^2 q. They are equal, and as
 /// small as possible, for q = 1/(1 + 2 C)^2. A larger fraction (in the limit q = 0) removes the velocity and leaves the stress unchanged
 /// for all later steps: it alternated by 35 MPa from cell to cell behind a shock of 250 MPa.
-fn largest_alternating_share(courant: f64) -> f64 {
+fn largest_alternating_fraction(courant: f64) -> f64 {
     0.25 * (1.0 - (1.0 + 2.0 * courant).powi(-2))
 }
 
@@ -103,8 +103,8 @@ const ROUNDING: f64 = 1e-15;
 pub(super) struct Filter {
     /// Velocity difference of neighbouring nodes that counts as a rounding error, m/s.
     pub rounding: f64,
-    /// Fractions redistributed per step: [`ZIGZAG_SHARE`], [`OVERSHOOT_SHARE`] and [`END_SHARE`], times the Courant number.
-    zigzag: f64,
+    /// Fractions redistributed per step: [`ODD_EVEN_FRACTION`], [`OVERSHOOT_FRACTION`] and [`END_FRACTION`], times the Courant number.
+    odd_even: f64,
     overshoot: f64,
     at_end: f64,
     /// Largest fraction of the whole velocity difference of a flowing cell, in loading and in unloading.
@@ -143,14 +143,14 @@ impl Filter {
         let rise = |distance: f64| SHOCK_CELLS * SHOCK_CELLS * distance * courant / c0;
         Self {
             rounding: ROUNDING * c0,
-            zigzag: ZIGZAG_SHARE * courant,
-            overshoot: OVERSHOOT_SHARE * courant,
-            at_end: END_SHARE * courant,
-            viscous: VISCOUS_SHARES.map(|share| share * courant),
+            odd_even: ODD_EVEN_FRACTION * courant,
+            overshoot: OVERSHOOT_FRACTION * courant,
+            at_end: END_FRACTION * courant,
+            viscous: VISCOUS_FRACTIONS.map(|share| share * courant),
             rise: [0, 1].map(|side| [rise(shocks.loading[side]), rise(shocks.unloading[side])]),
-            ringing: RINGING_SHARE * courant,
-            crossing: if shocks.unloading == [0.0; 2] { 0.0 } else { CROSSING_SHARE * courant },
-            alternating: largest_alternating_share(courant),
+            ringing: RINGING_FRACTION * courant,
+            crossing: if shocks.unloading == [0.0; 2] { 0.0 } else { CROSSING_FRACTION * courant },
+            alternating: largest_alternating_fraction(courant),
         }
     }
 
@@ -160,8 +160,8 @@ impl Filter {
     /// take so much of the lateral motion in every step that cells next to a free or loaded end would flow less, the smaller they are.
     #[must_use]
     pub fn with_mass(self, mass: f64) -> Self {
-        let [zigzag, overshoot, at_end] = [self.zigzag, self.overshoot, self.at_end].map(|share| share / mass);
-        Self { zigzag, overshoot, at_end, ..self }
+        let [odd_even, overshoot, at_end] = [self.odd_even, self.overshoot, self.at_end].map(|share| share / mass);
+        Self { odd_even, overshoot, at_end, ..self }
     }
 
     /// Returns the fraction of the velocity difference `mean` at the time of the stresses that artificial viscosity redistributes in a cell
@@ -210,11 +210,11 @@ const SUPPORT: f64 = 2.0;
 
 /// Velocity differences of a block's cells, and of the cells next to it on both sides.
 #[derive(Debug)]
-pub(super) struct Gaps {
+pub(super) struct VelocityDifferences {
     /// The differences of the block start at index [`LANES`], so that they are aligned as the velocities are.
     w: Aligned<[f64; MOST_CELLS + 2 * LANES]>,
     cells: usize,
-    outside: [Beside; 2],
+    outside: [Neighbour; 2],
     smooth: bool,
     largest: f64,
 }
@@ -238,7 +238,7 @@ pub(super) struct Cells<'a> {
 
 /// Neighbour of a row of nodes on one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Beside {
+pub(super) enum Neighbour {
     /// Node of the same segment, with this velocity, m/s.
     Node(f64),
     /// End that moves freely: the bar is continued by its mirror image.
@@ -252,7 +252,7 @@ pub(super) enum Beside {
     Joint,
 }
 
-impl Beside {
+impl Neighbour {
     /// Returns the velocity difference beyond an outer node of velocity `v`; `None` at a held end or a joint. `outwards` is -1 at the left
     /// and 1 at the right, and the last argument holds the differences of the outermost cell and its neighbour.
     fn difference(self, outwards: f64, v: f64, [outer, inner]: [f64; 2]) -> Option<f64> {
@@ -264,20 +264,20 @@ impl Beside {
     }
 }
 
-impl Gaps {
+impl VelocityDifferences {
     /// Creates an instance with room for the longest block.
     pub const fn new() -> Self {
         Self {
             w: Aligned([0.0; MOST_CELLS + 2 * LANES]),
             cells: 0,
-            outside: [Beside::Joint; 2],
+            outside: [Neighbour::Joint; 2],
             smooth: true,
             largest: 0.0,
         }
     }
 
     /// Computes the velocity differences of a row of nodes.
-    pub fn read(&mut self, v: &[f64], outside: [Beside; 2], rounding: f64) {
+    pub fn read(&mut self, v: &[f64], outside: [Neighbour; 2], rounding: f64) {
         let cells = v.len() - 1;
         let [any, all, least, largest] = differences(v, &mut self.w.0[LANES..]);
         let mut range = Range { any, all, least, largest };
@@ -319,20 +319,20 @@ impl Gaps {
         };
         for (cell, outside) in [0, self.cells - 1].into_iter().zip(self.outside) {
             impulses[cell] = match outside {
-                Beside::Loaded(supported) if !shocks => {
+                Neighbour::Loaded(supported) if !shocks => {
                     let w = [w[cell], w[cell + 1], w[cell + 2]];
                     ripples::<true>(w, f64::from(flow[cell]), filter, [filter.at_end, supported])
                 }
-                Beside::Node(_) | Beside::Mirror | Beside::Loaded(_) => impulses[cell],
-                Beside::Held | Beside::Joint if shocks => {
+                Neighbour::Node(_) | Neighbour::Mirror | Neighbour::Loaded(_) => impulses[cell],
+                Neighbour::Held | Neighbour::Joint if shocks => {
                     let (flow, w) = (f64::from(flow[cell]), mean[cell]);
                     w * filter.viscosity(w, flow, sigma[cell], crosses(cells.have_flowed[cell]))
                 }
-                Beside::Held | Beside::Joint => 0.0,
+                Neighbour::Held | Neighbour::Joint => 0.0,
             };
             anything |= impulses[cell] != 0.0;
         }
-        if self.cells == 1 && self.outside.contains(&Beside::Joint) {
+        if self.cells == 1 && self.outside.contains(&Neighbour::Joint) {
             impulses[0] = 0.0;
         }
         anything
@@ -439,7 +439,7 @@ fn alternates(size: f64, [left, right]: [f64; 2], filter: Filter) -> bool {
 /// Returns the impulse that damps the odd-even part of a difference of this size; 0 if the difference does not alternate.
 #[inline(always)]
 fn alternating(size: f64, neighbours: [f64; 2], filter: Filter) -> f64 {
-    if alternates(size, neighbours, filter) { filter.zigzag * size } else { 0.0 }
+    if alternates(size, neighbours, filter) { filter.odd_even * size } else { 0.0 }
 }
 
 /// Returns the size of the impulse for the part of a velocity difference that exceeds the mean of its neighbours', in a cell that `rings`.
@@ -520,7 +520,7 @@ fn find_shocks<const FLOWS: bool>(w: &[f64], row: &Cells<'_>, filter: Filter, im
             [alternating(size, neighbours, filter), 0.0]
         };
         let ringing = ringing(w, have_flowed[i] > 0 && !(FLOWS && flow[i] != 0.0), filter);
-        let most = if alternates(size, neighbours, filter) { filter.alternating } else { LARGEST_SHARE };
+        let most = if alternates(size, neighbours, filter) { filter.alternating } else { LARGEST_FRACTION };
         let most = if crosses(have_flowed[i]) && viscosity > 0.0 { 0.0 } else { larger(most - 0.5 * viscosity, 0.0) };
         impulses[i] = lesser(ripples + ringing, most * size).copysign(here[i]) + viscosity * mean[i];
         bits |= impulses[i].to_bits();

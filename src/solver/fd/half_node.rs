@@ -47,19 +47,19 @@ impl HalfNode {
         (2.0 * self.impedance - impedance).abs() <= ROUNDING * impedance
     }
 
-    /// Returns the response of the bar in the step ahead: the cell presses with the force `cell` (N), and f- is `passed_on` (N).
-    pub fn response(&self, cell: f64, passed_on: f64) -> Response {
+    /// Returns the response of the bar in the step ahead: the cell presses with the force `cell` (N), and f- is `previous_force` (N).
+    pub fn response(&self, cell: f64, previous_force: f64) -> Response {
         let impedance = 2.0 * self.impedance;
-        Response { force: 2.0 * cell - passed_on - impedance * self.after, impedance }
+        Response { force: 2.0 * cell - previous_force - impedance * self.after, impedance }
     }
 
     /// Returns u+ (m/s) under the force P (N); `cell` is the force of the cell (N).
-    pub fn pushed(&self, force: f64, cell: f64) -> f64 {
+    pub fn velocity_under_force(&self, force: f64, cell: f64) -> f64 {
         self.after + (force - cell) / self.impedance
     }
 
     /// Advances to the next step, with this velocity (m/s) after it.
-    pub fn move_on(&mut self, velocity: f64) {
+    pub fn advance(&mut self, velocity: f64) {
         (self.before, self.after) = (self.after, velocity);
     }
 
@@ -72,7 +72,7 @@ impl HalfNode {
 
 /// Force that acts as f- in a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) enum PassedOn {
+pub(super) enum PreviousForce {
     /// The force f of the step before.
     #[default]
     LastForce,
@@ -94,27 +94,27 @@ impl Impulses {
     ///
     /// The force that stops a node at once is the elastic one, above what yielded cells can carry (`bounded`). As long as the cells' force
     /// grows, no wave has come back, and f- is at most the cells' force.
-    pub fn choose(&self, cells: f64, bounded: bool) -> PassedOn {
+    pub fn choose(&self, cells: f64, bounded: bool) -> PreviousForce {
         let last = self.forces[0];
         let grows = bounded && cells.abs() >= self.cells.abs() && cells * last > 0.0;
-        if grows && cells.abs() < last.abs() { PassedOn::CellForce } else { PassedOn::LastForce }
+        if grows && cells.abs() < last.abs() { PreviousForce::CellForce } else { PreviousForce::LastForce }
     }
 
     /// Returns f- (N), half of which acts in the step in which the cells' force is `cells` (N).
-    pub fn passed_on(&self, cells: f64, passed_on: PassedOn) -> f64 {
-        match passed_on {
-            PassedOn::LastForce => self.forces[0],
-            PassedOn::CellForce => cells,
+    pub fn previous_force(&self, cells: f64, previous_force: PreviousForce) -> f64 {
+        match previous_force {
+            PreviousForce::LastForce => self.forces[0],
+            PreviousForce::CellForce => cells,
         }
     }
 
     /// Sets the force of the latest step, N.
-    pub fn correct(&mut self, f: f64) {
+    pub fn set_latest(&mut self, f: f64) {
         self.forces[0] = f;
     }
 
     /// Records the force `f` (N) of a step in which the half node is the characteristic, and returns it.
-    pub fn take(&mut self, f: f64, cells: f64) -> f64 {
+    pub fn record(&mut self, f: f64, cells: f64) -> f64 {
         *self = Self { forces: [f, self.forces[0], self.forces[1]], cells };
         f
     }
@@ -122,14 +122,14 @@ impl Impulses {
     /// Records the force `f` (N) of a step. If the last three changes alternate in sign, half of the smallest of them is taken back.
     /// Returns the impulse on the bar in the step per unit time (N): the mean of `f` and the force that is kept, corrected for the part of
     /// the previous force that was not passed on.
-    pub fn push(&mut self, f: f64, cells: f64, passed_on: PassedOn) -> f64 {
-        let passed_on = self.passed_on(cells, passed_on);
-        let not_passed_on = self.forces[0] - passed_on;
-        let changes = [f - passed_on, passed_on - self.forces[1], self.forces[1] - self.forces[2]];
+    pub fn record_damped(&mut self, f: f64, cells: f64, previous_force: PreviousForce) -> f64 {
+        let previous_force = self.previous_force(cells, previous_force);
+        let omitted = self.forces[0] - previous_force;
+        let changes = [f - previous_force, previous_force - self.forces[1], self.forces[1] - self.forces[2]];
         let alternate = changes[0] * changes[1] < 0.0 && changes[1] * changes[2] < 0.0;
         let ringing = if alternate { changes.iter().fold(f64::INFINITY, |least, c| least.min(c.abs())) } else { 0.0 };
         let kept = f - 0.5 * ringing.copysign(changes[0]);
-        *self = Self { forces: [kept, passed_on, self.forces[1]], cells };
-        0.5 * (f + kept - not_passed_on)
+        *self = Self { forces: [kept, previous_force, self.forces[1]], cells };
+        0.5 * (f + kept - omitted)
     }
 }

@@ -1,8 +1,8 @@
 //! Bars that are stressed or have yielded at t = 0.
 //!
 //! What held the bar is removed at t = 0. Velocities are known half a step later, and the stresses have acted on them for half a step by
-//! then: the nodes first receive half of the stresses ([`Leapfrog::meet_half`]), which makes elastic waves exact at Courant number 1 from
-//! the start. The scheme's balance of energy counts whole steps; [`Leapfrog::complete_initial`] therefore sets the velocities half a step
+//! then: the nodes first receive half of the stresses ([`Leapfrog::apply_half_initial_stress`]), which makes elastic waves exact at Courant number 1 from
+//! the start. The scheme's balance of energy counts whole steps; [`Leapfrog::restore_initial_stress`] therefore sets the velocities half a step
 //! before t = 0 to those from which a whole step under these stresses would have begun. With distributed forces, the nodes start half a
 //! step before t = 0 and take the whole step ([`super::implicit::Implicit::start_under`]).
 
@@ -31,7 +31,7 @@ impl Leapfrog {
 
     /// Halves the initial stresses and advances the nodes inside the blocks with them. The nodes at the edges are advanced next, with the
     /// same stresses.
-    pub(super) fn meet_half(&mut self) {
+    pub(super) fn apply_half_initial_stress(&mut self) {
         for block in &mut self.blocks {
             block.sigma.iter_mut().for_each(|sigma| *sigma *= 0.5);
             let gain = self.constants[block.segment].velocity_gain;
@@ -43,7 +43,7 @@ impl Leapfrog {
     }
 
     /// Restores the full initial stresses, after all nodes were advanced with half of them.
-    pub(super) fn complete_initial(&mut self, bar: &Bar) {
+    pub(super) fn restore_initial_stress(&mut self, bar: &Bar) {
         for contact in &mut self.contacts {
             let [left, right] = [contact.edge, contact.edge + 1].map(|k| &self.blocks[k].sigma);
             contact.start_under([last(left), right[0]]);

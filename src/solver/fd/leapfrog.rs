@@ -80,12 +80,12 @@ impl Leapfrog {
         let stressed = bar.has_initial_state();
         if stressed {
             leapfrog.set_initial(bar);
-            leapfrog.meet_half();
+            leapfrog.apply_half_initial_stress();
         }
         leapfrog.share_edges();
         leapfrog.whole().update_all_interfaces();
         if stressed {
-            leapfrog.complete_initial(bar);
+            leapfrog.restore_initial_stress(bar);
         }
         leapfrog
     }
@@ -248,7 +248,7 @@ impl Leapfrog {
         }
         self.whole().damp_all(step, scratch);
         if let Some(nodes) = &mut self.implicit {
-            nodes.take_filtered(&self.blocks);
+            nodes.adopt_filtered_velocities(&self.blocks);
         }
         if StartingFan::next_step(&self.fans, self.step) == Some(self.step) {
             self.impose_fans();

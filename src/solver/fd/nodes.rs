@@ -20,7 +20,7 @@ pub(super) struct Nodes<'a> {
 impl Nodes<'_> {
     /// Returns the velocities (m/s), at the time of the stresses, of the nodes at the left and right edge of block `k`, counted from the
     /// first; NaN if the blocks do not include the node.
-    pub fn beside(self, k: usize) -> [f64; 2] {
+    pub fn edge_velocities(self, k: usize) -> [f64; 2] {
         let end_node = |end: Option<&EndNode>| end.map_or(f64::NAN, EndNode::velocity);
         [0, 1].map(|side| match k + side {
             0 => end_node(self.ends[0]),

@@ -30,7 +30,7 @@ impl<'a> Reader<'a> {
         let block = &bar.blocks[k];
         let (law, constants) = (bar.laws[block.segment].law.as_ref(), &bar.constants[block.segment]);
         // Only the velocity depends on these.
-        let outer = if quantity == Quantity::Velocity { nodes(bar).beside(k) } else { [f64::NAN; 2] };
+        let outer = if quantity == Quantity::Velocity { nodes(bar).edge_velocities(k) } else { [f64::NAN; 2] };
         Self { bar, quantity, k, block, law, constants, outer }
     }
 

@@ -49,9 +49,9 @@ impl Leapfrog {
                 if let Some(contact) = contacts.next_if(|contact| contact.cell == cell) {
                     node += contact.jump();
                 }
-                let subdomain = strain * part.dx;
-                centres.push(node + 0.5 * subdomain);
-                node += subdomain;
+                let elongation = strain * part.dx;
+                centres.push(node + 0.5 * elongation);
+                node += elongation;
             }
         }
         centres
@@ -111,7 +111,7 @@ impl Leapfrog {
         let over = c.cell_volume * block.overstress_work(law) / c.modulus;
         let flow = 0.5 * c.cell_volume * block.plastic / c.modulus;
         let heats = law.heat_fraction();
-        total.half_step -= 0.5 * c.cell_volume * block.turned / c.modulus;
+        total.half_step -= 0.5 * c.cell_volume * block.onset_correction / c.modulus;
         total.elastic += 0.5 * c.cell_volume * block.sum_of_squares() / c.modulus;
         total.add_flow(flow, heats);
         total.plastic -= (1.0 - heats) * over;

@@ -14,7 +14,7 @@ use std::cmp::Ordering;
 use super::block::{Block, Stage};
 use super::breaking::{Breaking, Unresolved};
 use super::contact::Contact;
-use super::edge::{Edge, beside, last};
+use super::edge::{Edge, adjacent_cell_data, last};
 use super::leapfrog::Leapfrog;
 use crate::bar::joint;
 use crate::law::LANES;
@@ -169,8 +169,8 @@ impl Leapfrog {
             return largest(&block.sigma) * ease >= criterion.elastic_limit();
         }
         let law = self.laws[block.segment].law.as_ref();
-        match criterion.least_reach() {
-            Some(reach) => law.largest_strain(&block.sigma, &block.state) * ease >= reach,
+        match criterion.strain_threshold() {
+            Some(threshold) => law.largest_strain(&block.sigma, &block.state) * ease >= threshold,
             None if block.absorbed.is_empty() => true,
             None => {
                 let (sigma, work) = (&block.sigma[..], &block.absorbed[..block.sigma.len()]);
@@ -310,11 +310,11 @@ impl Leapfrog {
         match site {
             Site::Left => {
                 breaking.ends_gone[0] = true;
-                self.left.let_go();
+                self.left.release();
             }
             Site::Right => {
                 breaking.ends_gone[1] = true;
-                self.right.let_go();
+                self.right.release();
             }
             _ => self.part(node),
         }
@@ -324,21 +324,22 @@ impl Leapfrog {
     /// Ends the fans that a fracture in their segment, or at its end or joint, invalidates. Those of a joint are imposed once more, and its
     /// sides then give back the impulse that they owe. What those of an end owe is recorded as an impulse of the end.
     fn end_fans(&mut self, segment: usize, site: Site) {
-        let beside = |fan: &StartingFan| match site {
+        let is_adjacent = |fan: &StartingFan| match site {
             Site::Joint(k) => fan.segment == k || fan.segment == k + 1,
             _ => fan.segment == segment,
         };
         let joint_of = |fan: &StartingFan| fan.segment + fan.side;
-        let joints: Vec<usize> = self.fans.iter().filter(|fan| fan.at_joint && beside(fan)).map(joint_of).collect();
+        let joints: Vec<usize> =
+            self.fans.iter().filter(|fan| fan.at_joint && is_adjacent(fan)).map(joint_of).collect();
         for fan in self.fans.iter_mut().filter(|fan| fan.at_joint && joints.contains(&joint_of(fan))) {
             fan.end_after(self.step);
         }
         let (left, right) = (&mut self.left, &mut self.right);
         self.fans.retain(|fan| {
-            let stays = fan.at_joint || !beside(fan);
+            let stays = fan.at_joint || !is_adjacent(fan);
             if !stays {
                 let end = if fan.side == 0 { &mut *left } else { &mut *right };
-                end.book_impulse(fan.owed);
+                end.record_impulse(fan.owed);
             }
             stays
         });
@@ -397,7 +398,7 @@ impl Leapfrog {
         k = self.blocks.partition_point(|b| b.cells.end < node);
         self.edges[k].part();
         let pair = &self.blocks[k..=k + 1];
-        let (place, cells) = ([k, pair[0].segment, node], beside(pair, &self.constants, self.grid.dt));
+        let (place, cells) = ([k, pair[0].segment, node], adjacent_cell_data(pair, &self.constants, self.grid.dt));
         let yields = [pair[0].segment, pair[1].segment].map(|k| self.laws[k].yield_stress);
         let mut contact = Contact::new(place, joint::Contact::broken(), [velocity; 2], cells, yields, self.grid.dt);
         contact.part([last(&pair[0].sigma), pair[1].sigma[0]], self.grid.dt);

@@ -38,7 +38,7 @@ impl Snapshot for Leapfrog {
             breaking.restore(broken);
             for (gone, end) in breaking.ends_gone().into_iter().zip([&mut self.left, &mut self.right]) {
                 if gone {
-                    end.let_go();
+                    end.release();
                 }
             }
         }

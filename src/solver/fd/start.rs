@@ -16,7 +16,7 @@
 //!
 //! The energy that all this takes, of first order in the cell size, is in `half_step`, except for the share of shocks.
 
-use super::edge::{beside, last};
+use super::edge::{adjacent_cell_data, last};
 use super::grid_filter;
 use super::leapfrog::Leapfrog;
 use crate::bar::{Driver, EndCondition, InitialFan, Origin, SuddenLoads};
@@ -115,7 +115,7 @@ impl Leapfrog {
             return None;
         }
         let mut fan = StartingFan::new(initial_fan, c.cell_mass / c.cell_volume, &grid, RAMP)?;
-        let least = match (initial_fan.lessens(), initial_fan.from > 0.0) {
+        let least = match (initial_fan.decays(), initial_fan.from > 0.0) {
             _ if fan.at_joint || fan.driver == Driver::Body => 0.0,
             (true, _) => LEAST_UNLOADED,
             (false, true) => LEAST_WIDE,
@@ -198,19 +198,23 @@ impl Leapfrog {
             let filtered = end.given_to_filter();
             impulse = fan.owe(self.step, impulse + filtered) - filtered;
         } else if fan.driver == Driver::Stress && !by_force {
-            end.carry(fan.means(0.0, time, dt)[1]);
+            end.set_stress_ahead(fan.means(0.0, time, dt)[1]);
         }
-        let [given, taken] = end.give(impulse, fan.velocity_at_origin(time, dt));
+        let [given, taken] = end.apply_impulse(impulse, fan.velocity_at_origin(time, dt));
         // A load that starts within the step ahead does not act yet.
         if time >= 0.0 {
-            end.show(if by_ball { fan.stress_of_departed(time) } else { fan.stress_at_origin(time, dt) });
+            end.set_recorded_stress(if by_ball {
+                fan.stress_of_departed(time)
+            } else {
+                fan.stress_at_origin(time, dt)
+            });
         }
         energy += taken;
         if self.implicit.is_some() {
             self.share_edges();
         }
         if let Some(nodes) = &mut self.implicit {
-            energy = nodes.take_shifted(&self.blocks);
+            energy = nodes.adopt_velocities(&self.blocks);
         }
         self.note_lost(given - energy);
     }
@@ -274,7 +278,7 @@ impl Leapfrog {
         // and half a step after that time.
         let before = left.velocity_at_origin(time - dt, dt);
         let stresses = [last(&pair[0].sigma), pair[1].sigma[0]];
-        let [_, areas, _] = beside(pair, &self.constants, dt);
+        let [_, areas, _] = adjacent_cell_data(pair, &self.constants, dt);
         StartingFan::follow_wave([left, right], self.step, [time, dt], stresses.map(|stress| [stress, before]), areas);
     }
 

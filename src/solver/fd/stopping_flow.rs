@@ -18,14 +18,14 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::block::{Block, BlockLaw, Stopped};
+use super::block::{Block, BlockLaw, StoppedCell};
 use super::sizes::MOST_CELLS;
 use crate::law::{CHUNK, RowLaw, piece_flows};
 
 impl Block {
     /// Continues the flow of cells that flowed in the step before and unload in this one, by more than the missing flow. `stopped` is set
     /// to these cells.
-    pub fn flow_on(&mut self, law: BlockLaw<'_>, stopped: &mut Vec<Stopped>) {
+    pub fn complete_flow(&mut self, law: BlockLaw<'_>, stopped: &mut Vec<StoppedCell>) {
         stopped.clear();
         let missing_flow = law.filter.missing_flow();
         if missing_flow == 0.0 || !self.flows() {
@@ -38,23 +38,23 @@ impl Block {
                 let cell = start + piece * CHUNK + cells.trailing_zeros() as usize;
                 cells &= cells - 1;
                 let (before, missing) = (self.sigma[cell], missing_flow * f64::from(self.flow[cell]));
-                let [plastic, work] = law.law.flow_on(missing, cell, &mut self.sigma, &mut self.state);
+                let [plastic, work] = law.law.complete_flow(missing, cell, &mut self.sigma, &mut self.state);
                 let plastic_after = law.law.plastic_strain(&self.state, cell);
-                stopped.push(Stopped { cell, sigma: [before, self.sigma[cell]], plastic, plastic_after, work });
+                stopped.push(StoppedCell { cell, sigma: [before, self.sigma[cell]], plastic, plastic_after, work });
             }
         }
     }
 
     /// Records their plastic work, after the step.
-    pub fn book_stopped(&mut self, law: &dyn RowLaw, stopped: &[Stopped]) {
-        for &Stopped { cell, sigma: [before, after], plastic, plastic_after, work } in stopped {
+    pub fn record_stopped(&mut self, law: &dyn RowLaw, stopped: &[StoppedCell]) {
+        for &StoppedCell { cell, sigma: [before, after], plastic, plastic_after, work } in stopped {
             // The mean stress of the step is formed with the stress before this flow, also if the cell flows in the other sense at the end
             // of the step.
             let later = law.plastic_strain(&self.state, cell) - plastic_after;
             let of_mean_stress = (before + self.sigma[cell]) * plastic + (before - after) * later;
             let area = self.area(cell);
             self.plastic += area * work;
-            self.turned += area * (work - of_mean_stress);
+            self.onset_correction += area * (work - of_mean_stress);
             if self.keeps_work {
                 self.absorbed[cell] += work;
             }

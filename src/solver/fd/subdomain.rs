@@ -7,7 +7,7 @@ use super::cell_value::cell_value;
 use super::contact::Contact;
 use super::edge::{Edge, last};
 use super::end_node::EndNode;
-use super::grid_filter::Beside;
+use super::grid_filter::Neighbour;
 use super::nodes::Nodes;
 use super::segment::{Constants, SegmentLaw};
 
@@ -101,7 +101,7 @@ impl Subdomain<'_> {
     pub fn damp(&mut self, blocks: Range<i64>, step: usize, scratch: &mut Scratch) {
         for k in self.local(blocks) {
             self.note_reach_of_filter(k, step);
-            if self.blocks[k].at_rest() || self.blocks[k].damps_from > step {
+            if self.blocks[k].at_rest() || self.blocks[k].filter_from_step > step {
                 continue;
             }
             let shocks_beside = self.shocks_beside(k);
@@ -147,7 +147,7 @@ impl Subdomain<'_> {
         let block = &self.blocks[k];
         let last = block.sigma.len() - 1;
         let ends = self.ends.each_ref().map(Option::as_deref);
-        let inner = Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.beside(k);
+        let inner = Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.edge_velocities(k);
         let outer = [(k == 0, 0, 0), (k + 1 == self.blocks.len(), 1, last)];
         outer.map(|(is_outer, side, cell)| match ends[side].filter(|_| is_outer) {
             Some(end) => end.velocity_damped(2.0 * changes[side], block.sigma[cell]),
@@ -159,9 +159,9 @@ impl Subdomain<'_> {
     /// order.
     fn note_reach_of_filter(&mut self, k: usize, step: usize) {
         let damped =
-            |k: Option<usize>| k.and_then(|k| self.blocks.get(k)).is_some_and(|block| block.damps_from <= step);
-        if self.blocks[k].damps_from > step && (damped(k.checked_sub(1)) || damped(Some(k + 1))) {
-            self.blocks[k].damps_from = step + 1;
+            |k: Option<usize>| k.and_then(|k| self.blocks.get(k)).is_some_and(|block| block.filter_from_step <= step);
+        if self.blocks[k].filter_from_step > step && (damped(k.checked_sub(1)) || damped(Some(k + 1))) {
+            self.blocks[k].filter_from_step = step + 1;
         }
     }
 
@@ -223,7 +223,7 @@ impl Subdomain<'_> {
         let (block, last) = (&self.blocks[k], self.blocks[k].sigma.len() - 1);
         let outer = if block.watched.iter().any(|&i| i == 0 || i == last) {
             let ends = self.ends.each_ref().map(Option::as_deref);
-            Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.beside(k)
+            Nodes { first: self.first, edges: self.edges, contacts: self.contacts, ends }.edge_velocities(k)
         } else {
             // Not read: no watched cell is at an edge of the block.
             [f64::NAN; 2]
@@ -240,19 +240,19 @@ impl Subdomain<'_> {
 
     /// Returns the neighbours of block `k` on both sides: the inner nodes of the neighbouring blocks before these are damped, if they
     /// belong to the same segment. At an end that is not held the bar is continued by its mirror image.
-    fn nodes_outside(&self, k: usize) -> [Beside; 2] {
+    fn nodes_outside(&self, k: usize) -> [Neighbour; 2] {
         let block = &self.blocks[k];
         let gain = self.common.constants[block.segment].velocity_gain;
         let flow = |side: usize| if block.flows() { block.flow_at_edge(side) } else { 0.0 };
         let end = |side: usize| match &self.ends[side] {
-            Some(end_node) if end_node.is_held() => Beside::Held,
-            Some(end_node) => end_node.supported_by_load(flow(side)).map_or(Beside::Mirror, Beside::Loaded),
-            None => Beside::Joint,
+            Some(end_node) if end_node.is_held() => Neighbour::Held,
+            Some(end_node) => end_node.supported_by_load(flow(side)).map_or(Neighbour::Mirror, Neighbour::Loaded),
+            None => Neighbour::Joint,
         };
         let parted = |edge: usize| self.contacts.iter().any(|contact| contact.edge == self.first + edge);
         let inside = |other: &Block, edge: usize, side: usize| {
             let whole = other.segment == block.segment && !parted(edge);
-            if whole { Beside::Node(other.undamped(side, gain)) } else { Beside::Joint }
+            if whole { Neighbour::Node(other.undamped(side, gain)) } else { Neighbour::Joint }
         };
         let left = match k.checked_sub(1) {
             None => end(0),

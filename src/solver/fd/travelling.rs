@@ -49,7 +49,7 @@ impl Block {
             return false;
         }
         let Some(mut waves) = self.waves.take() else { return false };
-        let (cells, damped) = (waves.cells(), self.damps_from <= law.step);
+        let (cells, damped) = (waves.cells(), self.filter_from_step <= law.step);
         let incoming = waves.incoming([law.stress_gain * self.v[0], law.stress_gain * self.v[cells]]);
         let goes_on = !damped && waves.span(incoming) || self.goes_on_travelling(&waves, incoming, law);
         if goes_on {
@@ -67,7 +67,7 @@ impl Block {
 
     /// Returns whether the block can still be carried as these waves, with the incoming values.
     fn goes_on_travelling(&self, waves: &Waves, incoming: [f64; 2], law: BlockLaw<'_>) -> bool {
-        let (damped, bounds) = (self.damps_from <= law.step, self.bounds(law));
+        let (damped, bounds) = (self.filter_from_step <= law.step, self.bounds(law));
         !self.needs_cells(law)
             && self.stays_within(bounds.elastic, waves.peak_with(incoming), law)
             && !(damped && waves.entering(incoming).iter().any(|wave| oscillates(wave, bounds.oscillation, law)))
@@ -86,7 +86,7 @@ impl Block {
             return false;
         }
         let waves = Waves::of(law.stress_gain, &self.sigma, &self.v);
-        let damped = self.damps_from <= law.step;
+        let damped = self.filter_from_step <= law.step;
         let travels = self.stays_within(bounds.unloaded, waves.peak(), law)
             && !(damped && waves.have(|four| oscillates(four, bounds.oscillation, law)));
         if travels {
@@ -117,7 +117,7 @@ impl Block {
 
     /// Returns whether every cell must be stepped: if the cells are few or of varying section, or if the filter treats shocks in them.
     fn needs_cells(&self, law: BlockLaw<'_>) -> bool {
-        let takes_shocks = self.damps_from <= law.step && law.filter.takes_shocks();
+        let takes_shocks = self.filter_from_step <= law.step && law.filter.takes_shocks();
         takes_shocks || self.sigma.len() < FEWEST_CELLS || self.taper.is_some()
     }
 

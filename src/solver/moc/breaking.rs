@@ -25,7 +25,7 @@ impl Breaking {
         if after.stress <= medium.round_off {
             return false;
         }
-        if gathers && criterion.ends_gathering() {
+        if gathers && criterion.met_by_unbounded_strain() {
             return true;
         }
         let loads = after.stress - before.stress > medium.round_off;

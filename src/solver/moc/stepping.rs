@@ -102,7 +102,7 @@ impl Stepping {
             let before = self.model.energy(self.displacement);
             self.model.advance(&step, &push, self.met);
             let given = before - self.model.energy(self.displacement + self.moved);
-            self.account.work += if self.model.stores() { given } else { self.on_face };
+            self.account.work += if self.model.is_conservative() { given } else { self.on_face };
             self.latest = (self.start + 0.5 * elapsed, push.force);
         }
         self.account.on_face += self.on_face;

@@ -123,7 +123,7 @@ impl End {
         let given = held - self.model.energy(self.displacement);
         let on_face = push.impulse * velocity;
         self.work_on_face += on_face;
-        self.work += if self.model.stores() { given } else { on_face };
+        self.work += if self.model.is_conservative() { given } else { on_face };
         self.impulse += self.face.inward * push.impulse;
         self.throughput += push.impulse.abs();
         (self.latest, self.met) = (push, met);

@@ -90,15 +90,15 @@ impl Joint {
         let force = -closed[0].stress * parts[0].area;
         if !contact.advance(dt, force, free[1].velocity - free[0].velocity) {
             if self.before > 0.0 {
-                contact.part_after(self.before);
+                contact.record_single_step(self.before);
             }
             self.before = 0.0;
             return free;
         }
         if apart {
-            contact.lose(force, dt * (closed[0].velocity - closed[1].velocity));
+            contact.add_lost_energy(force, dt * (closed[0].velocity - closed[1].velocity));
         }
-        contact.note(dt, force, if is_known { f64::INFINITY } else { self.before });
+        contact.record_force(dt, force, if is_known { f64::INFINITY } else { self.before });
         self.before = force;
         closed
     }

@@ -82,7 +82,7 @@ impl End {
         let given = held - self.model.energy(self.displacement);
         let on_face = impulse * answer.velocity;
         self.work_on_face += on_face;
-        self.work += if self.model.stores() { given } else { on_face };
+        self.work += if self.model.is_conservative() { given } else { on_face };
         self.impulse += self.face.inward * impulse;
         self.throughput += impulse.abs();
         let [force, velocity] = answer.read;

@@ -71,8 +71,8 @@ impl Joint {
         let touches = contact.advance(dt, force_at(rate, &bars), free_rate(&bars));
         let (passed, [force, read]) = couple(left, right, &bars, touches.then_some(rate), dt);
         if touches {
-            contact.lose(force, gap);
-            contact.note(dt, read, f64::INFINITY);
+            contact.add_lost_energy(force, gap);
+            contact.record_force(dt, read, f64::INFINITY);
         }
         passed
     }

@@ -195,7 +195,10 @@ impl Part {
         };
         Self {
             centres: Nodes::new(&law, cells.clone().map(|cell| history(grid.cell(cell))).collect()),
-            borders: Nodes::new(&law, (cells.start..=cells.end).map(|node| history(grid.beside(node))).collect()),
+            borders: Nodes::new(
+                &law,
+                (cells.start..=cells.end).map(|node| history(grid.nodal_interval(node))).collect(),
+            ),
             f: passing(-1.0),
             g: passing(1.0),
             work: Work::default(),

@@ -62,7 +62,7 @@ pub struct Faces {
     /// Whether slopes fall along both curves.
     concave: bool,
     /// Velocity change from zero stress to the start of every line, m/s.
-    reach: [Vec<f64>; 2],
+    velocity_to_line: [Vec<f64>; 2],
     /// Whether the curves in tension and compression are the same.
     alike: bool,
 }
@@ -107,7 +107,7 @@ impl Faces {
     pub fn new(medium: Medium) -> Self {
         let impedance = medium.impedance();
         let falls = |lines: &Lines| lines.slope.windows(2).all(|pair| pair[1] <= pair[0]);
-        let reach = [1.0, -1.0].map(|sense| {
+        let velocity_to_line = [1.0, -1.0].map(|sense| {
             let lines = medium.lines(sense);
             let mut sums = vec![0.0; lines.y.len()];
             for k in 1..sums.len() {
@@ -121,7 +121,7 @@ impl Faces {
             half_compliance: 0.5 / impedance,
             concave: falls(medium.lines(1.0)) && falls(medium.lines(-1.0)),
             alike: medium.lines(1.0).are(medium.lines(-1.0)),
-            reach,
+            velocity_to_line,
             medium,
         }
     }
@@ -298,8 +298,8 @@ impl Faces {
 
     fn path_independent(&self, left: &FaceState, right: &FaceState, work: &mut Workspace) -> Flux {
         let elastic = self.elastic(left, right);
-        let reach = |near: &FaceState| near.point.stress + near.point.plastic;
-        let (z_left, z_right) = (reach(left), reach(right));
+        let abscissa = |near: &FaceState| near.point.stress + near.point.plastic;
+        let (z_left, z_right) = (abscissa(left), abscissa(right));
         let within = |z: f64| z.abs() <= self.medium.lines(z).first_yield;
         if within(z_left) && within(z_right) && within(elastic.stress) {
             return elastic;
@@ -472,7 +472,7 @@ impl Faces {
             line -= 1;
         }
         let rise = y - lines.y[line];
-        (self.reach[side(sense)][line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 }, line)
+        (self.velocity_to_line[side(sense)][line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 }, line)
     }
 
     /// Returns E times the strains (path-independent flow) or plastic strains beyond which the curve stiffens, in tension and compression,
@@ -504,7 +504,7 @@ fn one_line(a: &LoadingPath, b: &LoadingPath) -> bool {
 /// Waves emitted by a state on a path-independent curve, in magnitudes of stress.
 struct Branch<'a> {
     lines: &'a Lines,
-    reach: &'a [f64],
+    velocity_to_line: &'a [f64],
     own: f64,
     z: f64,
     /// Velocity change from zero stress to the stress of the state, m/s.
@@ -514,12 +514,12 @@ struct Branch<'a> {
 
 impl<'a> Branch<'a> {
     fn new(faces: &'a Faces, sense: f64, own: f64, z: f64) -> Self {
-        let (lines, reach) = (faces.medium.lines(sense), &faces.reach[side(sense)]);
+        let (lines, velocity_to_line) = (faces.medium.lines(sense), &faces.velocity_to_line[side(sense)]);
         let line = lines.at(z.max(0.0));
         // Within rounding, a state may lie above a level segment.
         let rise = if lines.slope[line] > 0.0 { own - lines.y[line] } else { 0.0 };
-        let base = reach[line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 };
-        Self { lines, reach, own, z, base, impedance2: faces.medium.modulus * faces.medium.density }
+        let base = velocity_to_line[line] + if rise > 0.0 { lines.compliance[line] * rise } else { 0.0 };
+        Self { lines, velocity_to_line, own, z, base, impedance2: faces.medium.modulus * faces.medium.density }
     }
 
     /// Returns the velocity change on the way to `stress`, and its derivative.
@@ -531,7 +531,7 @@ impl<'a> Branch<'a> {
         let rise = stress - lines.y[line];
         if stress >= self.own {
             let along = if rise > 0.0 { compliance * rise } else { 0.0 };
-            return (self.reach[line] + along - self.base, compliance);
+            return (self.velocity_to_line[line] + along - self.base, compliance);
         }
         let (fall, back) = (self.own - stress, self.z - (lines.z[line] + if rise > 0.0 { rise / slope } else { 0.0 }));
         let change = (fall * back / self.impedance2).max(0.0).sqrt();

@@ -158,11 +158,11 @@ fn beyond(target: f64, a: &mut Path, b: &mut Path) -> (f64, bool) {
         i += usize::from(a.force(i + 1) <= next);
         j += usize::from(b.force(j + 1) <= next);
     }
-    halve_beyond(target, force, a, b)
+    bisect_beyond(target, force, a, b)
 }
 
 /// Solves the problem of [`beyond`] by bisection for forces from `low` on, for paths with a chord of a hull or a cap.
-fn halve_beyond(target: f64, low: f64, a: &mut Path, b: &mut Path) -> (f64, bool) {
+fn bisect_beyond(target: f64, low: f64, a: &mut Path, b: &mut Path) -> (f64, bool) {
     let cap = (a.cap() * a.area()).min(b.cap() * b.area());
     let mut total = |force: f64| a.velocity(force / a.area()) + b.velocity(force / b.area());
     let high = if cap.is_finite() {

@@ -17,14 +17,14 @@ impl Path {
         let back = sense * (branch.stress_at(lines, tip) - self.start_stress());
         self.begin(sense * tip - back);
         loop {
-            let at_tip = (sense * branch.on_curve(branch.tip())).max(0.0);
+            let at_tip = (sense * branch.curve_abscissa(branch.tip())).max(0.0);
             for line in lines.at(at_tip)..lines.z.len() {
                 let z = lines.z[line].max(at_tip);
-                if sense * (branch.place(sense, z, 0.0).0 - branch.end(sense)) >= 0.0 && z > at_tip {
+                if sense * (branch.branch_point(sense, z, 0.0).0 - branch.end(sense)) >= 0.0 && z > at_tip {
                     break;
                 }
                 let y = lines.y[line] + lines.slope[line] * (z - lines.z[line]);
-                let (strain, stress) = branch.place(sense, z, y);
+                let (strain, stress) = branch.branch_point(sense, z, y);
                 self.go_along(sense * stress, sense * strain, lines.slope[line], lines.compliance[line]);
             }
             if !branch.pass_end(lines, sense) {

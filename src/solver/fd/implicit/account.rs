@@ -12,17 +12,17 @@ use crate::solver::Energies;
 
 /// Sums over the nodes of the work and impulse of one step's forces, with the two velocities between which they act.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
-pub(super) struct Taken {
+pub(super) struct StepWork {
     /// dt times the dampers' power, with the velocity before the step and after it, J.
     pub before: f64,
     pub after: f64,
     /// The same for friction.
-    pub rubbed: [f64; 2],
+    pub friction_work: [f64; 2],
     /// Impulse of external damping, friction and the foundation, N s in +x.
     pub impulse: f64,
 }
 
-impl Taken {
+impl StepWork {
     /// Returns dt times the dampers' power with the mean velocity, J, >= 0.
     fn mean(&self) -> f64 {
         0.5 * (self.before + self.after)
@@ -32,13 +32,13 @@ impl Taken {
 impl Implicit {
     /// Records the work and impulse of dampers, friction and foundation in the step whose changes are known, by the trapezoidal rule in
     /// their forces: the form in which the staggered scheme balances energy and momentum to round-off.
-    pub(super) fn account(&mut self) {
-        let now = self.taken(None);
+    pub(super) fn record_step(&mut self) {
+        let now = self.step_work(None);
         // Work of friction with the velocity between two steps. It can be negative only if a motion that starts suddenly opposes the bar's
         // own, or if the grid filter moves nodes; the negative part is then counted with the half steps.
-        let rubbed = 0.5 * (self.latest.rubbed[1] + now.rubbed[0]);
-        self.damped += 0.5 * (self.latest.after + now.before) + rubbed;
-        self.damped_by_means += 0.5 * (self.latest.mean() + now.mean()) + rubbed.max(0.0);
+        let friction_work = 0.5 * (self.latest.friction_work[1] + now.friction_work[0]);
+        self.damped += 0.5 * (self.latest.after + now.before) + friction_work;
+        self.damped_by_means += 0.5 * (self.latest.mean() + now.mean()) + friction_work.max(0.0);
         let impulse = 0.5 * (self.latest.impulse + now.impulse);
         self.impulse += impulse;
         self.throughput += impulse.abs();
@@ -51,16 +51,16 @@ impl Implicit {
     }
 
     /// Returns the sums of a step, with the velocities before it in `after`. `shift`, if given, is added to the velocities after it.
-    fn taken(&self, shift: Option<&[f64]>) -> Taken {
-        let mut taken = Taken::default();
+    fn step_work(&self, shift: Option<&[f64]>) -> StepWork {
+        let mut work = StepWork::default();
         let (v, w) = (&self.after[..], &self.change[..]);
         if self.active.internal {
             for (weights, Range { start, end }) in self.weights.cells() {
                 let nodes = start..=end;
                 let shift = shift.map(|shift| &shift[nodes.clone()]);
                 let [before, after] = of_dampers(weights.viscous, &v[nodes.clone()], &w[nodes], shift);
-                taken.before += before;
-                taken.after += after;
+                work.before += before;
+                work.after += after;
             }
         }
         if self.active.external {
@@ -68,34 +68,34 @@ impl Implicit {
                 let shift = shift.map(|shift| &shift[nodes.clone()]);
                 let drag = [weights.drag, weights.drag_mass];
                 let [before, after, impulse] = of_drag(drag, &v[nodes.clone()], &w[nodes], shift);
-                taken.before += before;
-                taken.after += after;
-                taken.impulse -= impulse;
+                work.before += before;
+                work.after += after;
+                work.impulse -= impulse;
             }
         }
-        if !self.rubbing.is_empty() {
-            let [before, after, impulse] = of_friction(&self.rubbing, v, w, shift);
-            taken.rubbed = [before, after];
-            taken.impulse -= impulse;
+        if !self.friction_impulse.is_empty() {
+            let [before, after, impulse] = of_friction(&self.friction_impulse, v, w, shift);
+            work.friction_work = [before, after];
+            work.impulse -= impulse;
         }
         if !self.place.is_empty() {
             let dt = self.weights.dt;
             for (weights, nodes) in self.weights.nodes() {
-                taken.impulse -= dt * weights.spring * sum_of_places(dt, &self.place[nodes.clone()], &w[nodes]);
+                work.impulse -= dt * weights.spring * sum_of_places(dt, &self.place[nodes.clone()], &w[nodes]);
             }
         }
-        taken
+        work
     }
 
     /// Reads the velocities of the nodes after the grid filter in the latest step, and records the energy that it took: the blocks' own
     /// account includes only the masses of the nodes.
-    pub fn take_filtered(&mut self, blocks: &[Block]) {
+    pub fn adopt_filtered_velocities(&mut self, blocks: &[Block]) {
         self.shift.clear();
-        self.filtered -= self.take_shifted(blocks);
+        self.filtered -= self.adopt_velocities(blocks);
     }
 
     /// Reads the velocities of the blocks' nodes after the latest step. Returns the energy that the nodes gain by their change, J.
-    pub fn take_shifted(&mut self, blocks: &[Block]) -> f64 {
+    pub fn adopt_velocities(&mut self, blocks: &[Block]) -> f64 {
         if !blocks.iter().any(|block| differ(&block.v, &self.after[block.cells.start..=block.cells.end])) {
             return 0.0;
         }
@@ -110,30 +110,30 @@ impl Implicit {
                 *shift = v - old;
             }
         }
-        let mut got = 0.0;
+        let mut energy_gain = 0.0;
         for (weights, nodes) in self.weights.nodes() {
             let mass = weights.mass + 0.25 * self.weights.dt * self.weights.dt * weights.spring;
             let of = [&shift, &self.after, &self.change].map(|of| &of[nodes.clone()]);
-            got += mass * got_at_nodes(of);
+            energy_gain += mass * energy_gain_at_nodes(of);
         }
         if self.active.lateral {
             for (weights, cells) in self.weights.cells() {
                 let of = [&shift, &self.after, &self.change].map(|of| &of[cells.start..=cells.end]);
-                got += weights.lateral * got_in_cells(of);
+                energy_gain += weights.lateral * energy_gain_in_cells(of);
             }
         }
         self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v -= change);
         // The dampers acted with the velocities before any of these shifts.
         self.after.iter_mut().zip(&earlier).for_each(|(v, earlier)| *v -= earlier);
         shift.iter_mut().zip(&earlier).for_each(|(shift, earlier)| *shift += earlier);
-        let taken = self.taken(Some(&shift));
-        (self.latest.after, self.latest.rubbed[1]) = (taken.after, taken.rubbed[1]);
+        let work = self.step_work(Some(&shift));
+        (self.latest.after, self.latest.friction_work[1]) = (work.after, work.friction_work[1]);
         // The same bits as the velocities with which the blocks are stepped.
         for block in blocks {
             self.after[block.cells.start..=block.cells.end].copy_from_slice(&block.v);
         }
         self.shift = shift;
-        0.5 * got
+        0.5 * energy_gain
     }
 
     /// Returns the impulse (N s in +x) that external damping, friction and the foundation have given so far, and the sum of its absolute
@@ -247,10 +247,10 @@ fn of_drag([drag, drag_mass]: [f64; 2], v: &[f64], w: &[f64], shift: Option<&[f6
     at_nodes([v, w, v], shift, |[v, w, _]| drag * v + drag_mass * w)
 }
 
-/// As [`of_drag`], for friction; `rubbing` are its impulses on the nodes.
+/// As [`of_drag`], for friction; `friction_impulse` are its impulses on the nodes.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn of_friction(rubbing: &[f64], v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 3] {
-    at_nodes([v, w, rubbing], shift, |[_, _, rubbing]| -rubbing)
+fn of_friction(friction_impulse: &[f64], v: &[f64], w: &[f64], shift: Option<&[f64]>) -> [f64; 3] {
+    at_nodes([v, w, friction_impulse], shift, |[_, _, friction_impulse]| -friction_impulse)
 }
 
 /// Returns sums over nodes of impulses against the motion (N s): times the velocity before and after the step, and alone. `impulse`
@@ -280,13 +280,13 @@ fn differ(a: &[f64], b: &[f64]) -> bool {
 /// Returns the energy that nodes of mass 2 gain by shifts, from the shifts, the velocities before them, and the velocity changes in the
 /// step.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn got_at_nodes(of: [&[f64]; 3]) -> f64 {
+fn energy_gain_at_nodes(of: [&[f64]; 3]) -> f64 {
     sum(of, |[shift, after, change]| shift * (2.0 * after - change + shift))
 }
 
 /// Likewise, returns the energy gained in the relative motion of neighbouring nodes.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
-fn got_in_cells([shift, after, change]: [&[f64]; 3]) -> f64 {
+fn energy_gain_in_cells([shift, after, change]: [&[f64]; 3]) -> f64 {
     let cells = shift.len() - 1;
     let [[s0, s1], [v0, v1], [w0, w1]] = [shift, after, change].map(|of| [&of[..cells], &of[1..]]);
     sum([s0, s1, v0, v1, w0, w1], |[s0, s1, v0, v1, w0, w1]| {

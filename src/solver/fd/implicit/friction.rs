@@ -28,7 +28,7 @@ const JUMPS: f64 = 1e-6;
 
 impl Implicit {
     /// Applies friction to the nodes between the ends, in a step whose velocity changes without friction are known.
-    pub(super) fn rub_nodes(&mut self) {
+    pub(super) fn apply_friction(&mut self) {
         let last = self.change.len() - 1;
         for (weights, nodes) in self.weights.nodes() {
             if weights.friction == 0.0 {
@@ -37,14 +37,14 @@ impl Implicit {
             let mass = self.weights.mass_of(weights);
             for j in nodes.start.max(1)..nodes.end.min(last) {
                 let before = self.after[j];
-                let [low, high] = range(weights.friction, self.started, before, self.rubbing[j]);
+                let [low, high] = range(weights.friction, self.started, before, self.friction_impulse[j]);
                 let stopping = -mass * (before + self.change[j]);
-                self.rubbing[j] = stopping.clamp(low, high);
-                if self.rubbing[j] == stopping {
+                self.friction_impulse[j] = stopping.clamp(low, high);
+                if self.friction_impulse[j] == stopping {
                     // Exactly at rest.
                     self.change[j] = -before;
                 } else {
-                    self.change[j] += self.rubbing[j] / mass;
+                    self.change[j] += self.friction_impulse[j] / mass;
                 }
             }
         }
@@ -52,14 +52,14 @@ impl Implicit {
 
     /// Computes the friction on the end nodes, in a step in which the bar gives them the impulses `pulls` (N s in +x). Returns these
     /// impulses including friction, and whether each end comes to rest.
-    pub(super) fn rub_ends(&mut self, time: f64, pulls: [f64; 2], ends: [&EndNode; 2]) -> [(f64, bool); 2] {
+    pub(super) fn apply_end_friction(&mut self, time: f64, pulls: [f64; 2], ends: [&EndNode; 2]) -> [(f64, bool); 2] {
         let last = self.change.len() - 1;
         [(0, 0), (1, last)].map(|(side, node)| {
             let end = ends[side];
-            let range = range(self.weights.friction(node), self.started, self.after[node], self.rubbing[node]);
+            let range = range(self.weights.friction(node), self.started, self.after[node], self.friction_impulse[node]);
             let velocity = |impulse: f64| end.velocity_after() + end.answer(time, pulls[side] + impulse);
             let (impulse, rests) = against(range, velocity);
-            self.rubbing[node] = impulse;
+            self.friction_impulse[node] = impulse;
             (pulls[side] + impulse, rests)
         })
     }
@@ -68,12 +68,12 @@ impl Implicit {
 /// Returns the smallest and largest friction impulse on a node in a step. `most` is the largest friction impulse of a whole step;
 /// `velocity` and `held` are the velocity and the friction impulse before the step.
 fn range(most: f64, started: bool, velocity: f64, held: f64) -> [f64; 2] {
-    let passed_on = match (started, velocity == 0.0) {
+    let previous = match (started, velocity == 0.0) {
         (false, _) => 0.0,
         (true, true) => held,
         (true, false) => -most.copysign(velocity),
     };
-    [0.5 * (passed_on - most), 0.5 * (passed_on + most)]
+    [0.5 * (previous - most), 0.5 * (previous + most)]
 }
 
 /// Returns the friction impulse within a range on a node whose velocity increases with it, and whether that brings the node to rest.

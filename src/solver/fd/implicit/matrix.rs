@@ -10,10 +10,10 @@ const NEGLIGIBLE: f64 = 1e-20;
 
 /// Values below this, in kg m/s or m/s, are set to zero. Otherwise the tail that every wave sends ahead would end in denormal numbers,
 /// which processors handle a hundred times more slowly, and would never vanish.
-const NOTHING: f64 = 1e-120;
+const FLUSH_THRESHOLD: f64 = 1e-120;
 
 /// Number of nodes between two checks for such tails.
-const LOOK: usize = 64;
+const CHECK_INTERVAL: usize = 64;
 
 /// Smallest length of a piece, as a multiple of the number of nodes ahead of it that affect it; these are processed twice.
 const LEAST_PIECES: f64 = 2.0;
@@ -28,7 +28,7 @@ pub(super) struct Matrix {
     middle: usize,
     /// Elements of W in the rows of the nodes from the left end, and from the right end, up to the middle node, each towards that end; 0
     /// next to it.
-    beside: [Vec<f64>; 2],
+    factor: [Vec<f64>; 2],
     /// Reciprocal of the pivot of row j. Unused at 0 and n.
     inverse: Vec<f64>,
     /// Number of nodes of each of the two pieces of a half that are processed in parallel; 0 if the halves are not split.
@@ -55,27 +55,27 @@ impl Matrix {
         let mut inverse = vec![0.0; cells + 1];
         // The node at this depth from the left (0) or right (1) end.
         let node = |side: usize, depth: usize| if side == 0 { 1 + depth } else { cells - 1 - depth };
-        let beside = [middle - 1, cells - 1 - middle].map(|nodes| vec![0.0; nodes + 1]);
+        let factor = [middle - 1, cells - 1 - middle].map(|nodes| vec![0.0; nodes + 1]);
         let mut matrix = Self {
             cells,
             middle,
-            beside,
+            factor,
             diagonal: (0..cells).all(|i| between(i) == 0.0),
             off: [between(0), between(cells - 1)],
             ..Self::default()
         };
         let mut middle_pivot = diagonal(middle);
-        for (side, beside) in matrix.beside.iter_mut().enumerate() {
-            let last = beside.len() - 1;
+        for (side, factor) in matrix.factor.iter_mut().enumerate() {
+            let last = factor.len() - 1;
             for depth in 0..=last {
                 let j = node(side, depth);
                 let element = if depth > 0 { between(if side == 0 { j - 1 } else { j }) } else { 0.0 };
                 let before = if depth > 0 { inverse[node(side, depth - 1)] } else { 0.0 };
-                beside[depth] = element * before;
+                factor[depth] = element * before;
                 if depth < last {
-                    inverse[j] = 1.0 / (diagonal(j) - element * beside[depth]);
+                    inverse[j] = 1.0 / (diagonal(j) - element * factor[depth]);
                 } else {
-                    middle_pivot -= element * beside[depth];
+                    middle_pivot -= element * factor[depth];
                 }
             }
         }
@@ -89,7 +89,7 @@ impl Matrix {
     /// Splits both halves in two if few nodes ahead of a place affect it.
     fn cut_halves(&mut self) {
         let piece = (self.middle - 1) / 2;
-        let largest = self.beside.iter().flatten().fold(0.0, |largest: f64, beside| largest.max(beside.abs()));
+        let largest = self.factor.iter().flatten().fold(0.0, |largest: f64, factor| largest.max(factor.abs()));
         let ahead = (NEGLIGIBLE.ln() / largest.min(1.0).ln()).abs().ceil();
         if ahead * LEAST_PIECES <= piece as f64 {
             (self.piece, self.ahead) = (piece, ahead as usize);
@@ -111,8 +111,8 @@ impl Matrix {
         right.reverse();
         self.follow = [&mut left, &mut right].map(|x| {
             let inner = &x[1..n];
-            let reach = inner.iter().position(|f| f.abs() < NEGLIGIBLE).unwrap_or(inner.len());
-            inner[..reach].to_vec()
+            let extent = inner.iter().position(|f| f.abs() < NEGLIGIBLE).unwrap_or(inner.len());
+            inner[..extent].to_vec()
         });
     }
 
@@ -130,42 +130,42 @@ impl Matrix {
     /// Eliminates the nodes from both ends to the middle node, and solves for the latter.
     #[inline(always)]
     fn eliminate(&self, x: &mut [f64]) {
-        let [beside_left, beside_right] = &self.beside;
+        let [factor_left, factor_right] = &self.factor;
         let (x_left, x_middle, x_right) = self.halves(x);
         let (both, nodes) = (x_left.len(), x_right.len());
         let [mut left, mut right] = self.eliminate_pieces(x_left, x_right);
-        for start in (2 * self.piece..both).step_by(LOOK) {
-            for k in start..(start + LOOK).min(both) {
-                left = x_left[k] - beside_left[k] * left;
-                right = x_right[nodes - 1 - k] - beside_right[k] * right;
+        for start in (2 * self.piece..both).step_by(CHECK_INTERVAL) {
+            for k in start..(start + CHECK_INTERVAL).min(both) {
+                left = x_left[k] - factor_left[k] * left;
+                right = x_right[nodes - 1 - k] - factor_right[k] * right;
                 (x_left[k], x_right[nodes - 1 - k]) = (left, right);
             }
-            [left, right] = [left, right].map(something);
+            [left, right] = [left, right].map(flush_to_zero);
         }
         // With an odd number of cells there is one more node on the right.
         for k in both..nodes {
-            right = x_right[nodes - 1 - k] - beside_right[k] * right;
+            right = x_right[nodes - 1 - k] - factor_right[k] * right;
             x_right[nodes - 1 - k] = right;
         }
-        *x_middle = (*x_middle - beside_left[both] * left - beside_right[nodes] * right) * self.inverse[self.middle];
+        *x_middle = (*x_middle - factor_left[both] * left - factor_right[nodes] * right) * self.inverse[self.middle];
     }
 
     /// Eliminates the pieces of both halves, starting from the ends. Returns the last values.
     #[inline(always)]
     fn eliminate_pieces(&self, x_left: &mut [f64], x_right: &mut [f64]) -> [f64; 2] {
-        let (piece, [beside_left, beside_right]) = (self.piece, &self.beside);
+        let (piece, [factor_left, factor_right]) = (self.piece, &self.factor);
         let nodes = x_right.len();
         let [mut a, mut b, mut c, mut d] = [0.0; 4];
         for k in piece - self.ahead..piece {
-            b = x_left[k] - beside_left[k] * b;
-            d = x_right[nodes - 1 - k] - beside_right[k] * d;
+            b = x_left[k] - factor_left[k] * b;
+            d = x_right[nodes - 1 - k] - factor_right[k] * d;
         }
-        let (beside_a, beside_b) = (&beside_left[..piece], &beside_left[piece..2 * piece]);
-        let (beside_c, beside_d) = (&beside_right[..piece], &beside_right[piece..2 * piece]);
+        let (beside_a, beside_b) = (&factor_left[..piece], &factor_left[piece..2 * piece]);
+        let (beside_c, beside_d) = (&factor_right[..piece], &factor_right[piece..2 * piece]);
         let (x_a, x_b) = x_left[..2 * piece].split_at_mut(piece);
         let (x_d, x_c) = x_right[nodes - 2 * piece..].split_at_mut(piece);
-        for start in (0..piece).step_by(LOOK) {
-            for k in start..(start + LOOK).min(piece) {
+        for start in (0..piece).step_by(CHECK_INTERVAL) {
+            for k in start..(start + CHECK_INTERVAL).min(piece) {
                 let back = piece - 1 - k;
                 a = x_a[k] - beside_a[k] * a;
                 b = x_b[k] - beside_b[k] * b;
@@ -173,7 +173,7 @@ impl Matrix {
                 d = x_d[back] - beside_d[k] * d;
                 (x_a[k], x_b[k], x_c[back], x_d[back]) = (a, b, c, d);
             }
-            [a, b, c, d] = [a, b, c, d].map(something);
+            [a, b, c, d] = [a, b, c, d].map(flush_to_zero);
         }
         [b, d]
     }
@@ -181,22 +181,22 @@ impl Matrix {
     /// Substitutes back, from the middle outwards: the element of W beside a node is in the row of its neighbour.
     #[inline(always)]
     fn substitute(&self, x: &mut [f64]) {
-        let (middle, [beside_left, beside_right]) = (self.middle, &self.beside);
+        let (middle, [factor_left, factor_right]) = (self.middle, &self.factor);
         let (inverse_left, inverse_right) = (&self.inverse[1..middle], &self.inverse[middle + 1..self.cells]);
         let (x_left, x_middle, x_right) = self.halves(x);
         let (both, nodes) = (x_left.len(), x_right.len());
         let [mut left, mut right] = self.substitute_pieces(x_left, *x_middle, x_right);
-        for start in (2 * self.piece..both).step_by(LOOK) {
-            for k in start..(start + LOOK).min(both) {
+        for start in (2 * self.piece..both).step_by(CHECK_INTERVAL) {
+            for k in start..(start + CHECK_INTERVAL).min(both) {
                 let i = both - 1 - k;
-                left = x_left[i] * inverse_left[i] - beside_left[i + 1] * left;
-                right = x_right[k] * inverse_right[k] - beside_right[nodes - k] * right;
+                left = x_left[i] * inverse_left[i] - factor_left[i + 1] * left;
+                right = x_right[k] * inverse_right[k] - factor_right[nodes - k] * right;
                 (x_left[i], x_right[k]) = (left, right);
             }
-            [left, right] = [left, right].map(something);
+            [left, right] = [left, right].map(flush_to_zero);
         }
         for k in both..nodes {
-            right = x_right[k] * inverse_right[k] - beside_right[nodes - k] * right;
+            right = x_right[k] * inverse_right[k] - factor_right[nodes - k] * right;
             x_right[k] = right;
         }
     }
@@ -204,25 +204,25 @@ impl Matrix {
     /// Substitutes back in the pieces of both halves, starting from the middle. Returns the last values.
     #[inline(always)]
     fn substitute_pieces(&self, x_left: &mut [f64], middle: f64, x_right: &mut [f64]) -> [f64; 2] {
-        let (piece, [beside_left, beside_right]) = (self.piece, &self.beside);
+        let (piece, [factor_left, factor_right]) = (self.piece, &self.factor);
         let (inverse_left, inverse_right) = (&self.inverse[1..self.middle], &self.inverse[self.middle + 1..self.cells]);
         let (both, nodes) = (x_left.len(), x_right.len());
         let [mut a, mut b, mut c, mut d] = [middle, 0.0, middle, 0.0];
         for k in piece - self.ahead..piece {
             let i = both - 1 - k;
-            b = x_left[i] * inverse_left[i] - beside_left[i + 1] * b;
-            d = x_right[k] * inverse_right[k] - beside_right[nodes - k] * d;
+            b = x_left[i] * inverse_left[i] - factor_left[i + 1] * b;
+            d = x_right[k] * inverse_right[k] - factor_right[nodes - k] * d;
         }
         // Slices of equal length, so that no index needs a bounds check.
         let ([far, near], first) = ([both - 2 * piece, both - piece], nodes - 2 * piece);
         let (inverse_a, inverse_b) = (&inverse_left[near..near + piece], &inverse_left[far..far + piece]);
         let (inverse_c, inverse_d) = (&inverse_right[..piece], &inverse_right[piece..2 * piece]);
-        let (beside_a, beside_b) = (&beside_left[near + 1..][..piece], &beside_left[far + 1..][..piece]);
-        let (beside_c, beside_d) = (&beside_right[first + piece + 1..][..piece], &beside_right[first + 1..][..piece]);
+        let (beside_a, beside_b) = (&factor_left[near + 1..][..piece], &factor_left[far + 1..][..piece]);
+        let (beside_c, beside_d) = (&factor_right[first + piece + 1..][..piece], &factor_right[first + 1..][..piece]);
         let (x_b, x_a) = x_left[far..].split_at_mut(piece);
         let (x_c, x_d) = x_right[..2 * piece].split_at_mut(piece);
-        for start in (0..piece).step_by(LOOK) {
-            for k in start..(start + LOOK).min(piece) {
+        for start in (0..piece).step_by(CHECK_INTERVAL) {
+            for k in start..(start + CHECK_INTERVAL).min(piece) {
                 let back = piece - 1 - k;
                 a = x_a[back] * inverse_a[back] - beside_a[back] * a;
                 b = x_b[back] * inverse_b[back] - beside_b[back] * b;
@@ -230,7 +230,7 @@ impl Matrix {
                 d = x_d[k] * inverse_d[k] - beside_d[back] * d;
                 (x_a[back], x_b[back], x_c[k], x_d[k]) = (a, b, c, d);
             }
-            [a, b, c, d] = [a, b, c, d].map(something);
+            [a, b, c, d] = [a, b, c, d].map(flush_to_zero);
         }
         if piece > 0 { [b, d] } else { [middle; 2] }
     }
@@ -271,12 +271,12 @@ impl Matrix {
 
     /// Returns the number of stored floating-point numbers.
     pub fn len(&self) -> usize {
-        self.beside[0].len() + self.beside[1].len() + self.inverse.len() + self.follow[0].len() + self.follow[1].len()
+        self.factor[0].len() + self.factor[1].len() + self.inverse.len() + self.follow[0].len() + self.follow[1].len()
     }
 }
 
-fn something(x: f64) -> f64 {
-    if x.abs() < NOTHING { 0.0 } else { x }
+fn flush_to_zero(x: f64) -> f64 {
+    if x.abs() < FLUSH_THRESHOLD { 0.0 } else { x }
 }
 
 #[cfg(test)]

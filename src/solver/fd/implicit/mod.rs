@@ -30,7 +30,7 @@ use super::end_node::EndNode;
 use super::grid::Grid;
 use super::segment::Constants;
 use crate::root::{Tolerance, fixed_point};
-use account::Taken;
+use account::StepWork;
 use matrix::Matrix;
 use weights::{CellWeights, Weights};
 
@@ -87,11 +87,11 @@ pub(super) struct Implicit {
     /// Displacements at the current time, m; empty without a foundation.
     place: Vec<f64>,
     /// Impulses of friction on the nodes in the latest step, N s in +x; empty without friction.
-    rubbing: Vec<f64>,
+    friction_impulse: Vec<f64>,
     /// Velocity changes by the grid filter and by fans in the latest step, m/s; empty until the bar yields.
     shift: Vec<f64>,
     active: ActiveForces,
-    latest: Taken,
+    latest: StepWork,
     /// Energy dissipated by dampers so far, J, as the staggered scheme balances it, and with the mean velocity of each step; and energy
     /// taken by the grid filter, J.
     damped: f64,
@@ -118,14 +118,14 @@ impl Implicit {
             after: velocities,
             change: vec![0.0; nodes],
             place: vec![0.0; if along.foundation > 0.0 { nodes } else { 0 }],
-            rubbing: vec![0.0; if along.friction > 0.0 { nodes } else { 0 }],
+            friction_impulse: vec![0.0; if along.friction > 0.0 { nodes } else { 0 }],
             shift: Vec::new(),
             active: ActiveForces {
                 internal: along.internal > 0.0,
                 external: along.external > 0.0,
                 lateral: along.lateral.iter().any(|&l| l > 0.0),
             },
-            latest: Taken::default(),
+            latest: StepWork::default(),
             damped: 0.0,
             damped_by_means: 0.0,
             filtered: 0.0,
@@ -182,7 +182,7 @@ impl Implicit {
         self.spring_start = self.foundation_of_motion(|v, _| v);
         self.advance(0.0, blocks, [&mut *left, &mut *right]);
         // The friction that holds a node at rest has acted for half a step only.
-        let resting = self.rubbing.iter_mut().zip(&self.after).filter(|(_, v)| **v == 0.0);
+        let resting = self.friction_impulse.iter_mut().zip(&self.after).filter(|(_, v)| **v == 0.0);
         resting.for_each(|(impulse, _)| *impulse *= 2.0);
         self.count_from_here();
     }
@@ -220,11 +220,11 @@ impl Implicit {
         let pulls = self.matrix.left_for_ends(right_sides, &self.change);
         left.prepare_for(pulls[0], blocks[0].flowed_lately());
         right.prepare_for(pulls[1], blocks[blocks.len() - 1].flowed_lately());
-        if self.rubbing.is_empty() {
+        if self.friction_impulse.is_empty() {
             self.move_ends(time, pulls, blocks, left, right);
         } else {
-            self.rub_nodes();
-            let [(first, left_rests), (second, right_rests)] = self.rub_ends(time, pulls, [&*left, &*right]);
+            self.apply_friction();
+            let [(first, left_rests), (second, right_rests)] = self.apply_end_friction(time, pulls, [&*left, &*right]);
             self.move_ends(time, [first, second], blocks, left, right);
             for (rests, end) in [(left_rests, &mut *left), (right_rests, &mut *right)] {
                 if rests {
@@ -236,7 +236,7 @@ impl Implicit {
         self.matrix.follow_ends(changes, &mut self.change);
         [self.change[0], self.change[n]] = changes;
         self.right_change = changes[1];
-        self.account();
+        self.record_step();
         self.after.iter_mut().zip(&self.change).for_each(|(v, change)| *v += change);
         // The same bits as the velocities of the ends.
         [self.after[0], self.after[n]] = [left.velocity_after(), right.velocity_after()];
@@ -317,7 +317,7 @@ impl Implicit {
 
     /// Returns the memory used, bytes.
     pub fn bytes(&self) -> usize {
-        let nodes = [&self.after, &self.change, &self.place, &self.rubbing, &self.shift].map(Vec::len);
+        let nodes = [&self.after, &self.change, &self.place, &self.friction_impulse, &self.shift].map(Vec::len);
         (nodes.iter().sum::<usize>() + self.matrix.len()) * size_of::<f64>()
     }
 }

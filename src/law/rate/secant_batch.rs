@@ -11,7 +11,7 @@
     reason = "`&&`, `||` and iterators with their ends are branches, and the compiler does not turn these into vectors"
 )]
 
-use super::most::{Flown, halved};
+use super::malvern_batch::{Flown, half_range_and_slope};
 use super::step::rounding;
 use super::{Closed, Driven, JohnsonCook, Malvern, Overstress, PowerAboveOne, RateLaw, Sides};
 use crate::elementary::{exp, ln};
@@ -19,7 +19,7 @@ use crate::law::Steps;
 use crate::root::Tolerance;
 
 /// Largest number of iterations for the flow; usual convergence takes four. Slower cells are left to [`crate::root::fixed_point`].
-const SWEEPS: usize = 8;
+const MAX_ITERATIONS: usize = 8;
 
 /// Change of temperature, relative to the range to melting, that counts as converged: the next iterate would differ by rounding.
 pub(super) const FOUND: f64 = 1e-13;
@@ -140,7 +140,7 @@ struct Many<'a, L> {
 
 /// Advances the cells if the law has a closed formula, see [`Many::step`]; otherwise does nothing.
 #[inline(always)]
-pub(super) fn step_most<const N: usize, const W: usize>(
+pub(super) fn step_batch<const N: usize, const W: usize>(
     law: &RateLaw,
     time: f64,
     heating: Option<TemperatureRise>,
@@ -195,7 +195,7 @@ impl<L: Closed> Many<'_, L> {
             found.flow[i] = state[2][i] * self.law.width(start.excess[i], f);
             found.sought[i] = u64::from(start.excess[i] > rounding(stress, [-half, half], start.back[i]));
         }
-        for _ in 0..SWEEPS {
+        for _ in 0..MAX_ITERATIONS {
             if found.sought.iter().fold(0, |any, sought| any | sought) == 0 {
                 break;
             }
@@ -277,7 +277,7 @@ impl<L: Closed> Many<'_, L> {
             let sign = 1.0_f64.copysign(sigma[i] - start.softening[i] * back);
             if self.moves::<N>() {
                 let [kinematic, yield_stress] = self.moving;
-                let (half, widens) = halved(kinematic, yield_stress, located.stress[i], located.slope[i]);
+                let (half, widens) = half_range_and_slope(kinematic, yield_stress, located.stress[i], located.slope[i]);
                 (start.half[i], start.widens[i]) = (half, widens);
                 (start.cold[i], start.across[i]) = (half + sign * back, half - sign * back);
                 start.beside[i] = start.cold[i] - located.stress[i];
@@ -380,8 +380,8 @@ pub(crate) mod tests {
             let part = f64::from(step) / 400.0;
             let predictor = sigma + 4e6 * part.sin() * (1.0 + (7.0 * part).cos());
             let mut alone = Steps::<N, 1>::unknown();
-            law.respond_to_most(&[sigma], &[predictor], state.each_ref().map(std::array::from_ref), &mut alone);
-            let other = law.respond_to_other(sigma, predictor, state);
+            law.respond_batch(&[sigma], &[predictor], state.each_ref().map(std::array::from_ref), &mut alone);
+            let other = law.respond_scalar(sigma, predictor, state);
             if alone.known[0] != 0 {
                 let most = alone.of(0);
                 known += usize::from(most.plastic != 0.0);

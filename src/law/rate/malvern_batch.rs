@@ -9,7 +9,7 @@
 )]
 
 use super::Sides;
-use super::step::{GONE, rounding};
+use super::step::{FULLY_RELAXED, rounding};
 use crate::law::Steps;
 use crate::root::Tolerance;
 
@@ -81,7 +81,8 @@ impl Pieces<'_> {
         let (moves, [kinematic, yield_stress]) = (N > 5, self.kinematic);
         let back = if moves { state[N - 1][i] } else { 0.0 };
         let sign = 1.0_f64.copysign(sigma - back);
-        let (half, widens) = if moves { halved(kinematic, yield_stress, stress, slope) } else { (stress, slope) };
+        let (half, widens) =
+            if moves { half_range_and_slope(kinematic, yield_stress, stress, slope) } else { (stress, slope) };
         let limit = half + sign * back;
         let (excess, rise) = (sign * sigma - limit, sign * (predictor - sigma));
         let gain = 1.0 + slope;
@@ -110,7 +111,7 @@ impl Pieces<'_> {
 /// Returns half the elastic range of a cell whose curve moves, Pa, and its derivative with respect to the flow; from the static flow stress of
 /// first loading and its slope.
 #[inline(always)]
-pub(super) fn halved(kinematic: f64, yield_stress: f64, stress: f64, slope: f64) -> (f64, f64) {
+pub(super) fn half_range_and_slope(kinematic: f64, yield_stress: f64, stress: f64, slope: f64) -> (f64, f64) {
     let moved = if kinematic > 0.0 { kinematic * (stress - yield_stress) } else { 0.0 };
     (stress - moved, (1.0 - kinematic) * slope)
 }
@@ -172,7 +173,7 @@ impl Flown {
         after.state[0][i] = choose(p_end, p);
         after.state[1][i] = choose(state[1][i] + plastic, state[1][i]);
         after.state[2][i] = choose(if is_resolved { flow / width(left) } else { 0.0 }, 0.0);
-        after.state[3][i] = choose(sign * if is_resolved { left } else { GONE }, 0.0);
+        after.state[3][i] = choose(sign * if is_resolved { left } else { FULLY_RELAXED }, 0.0);
         after.state[4][i] = state[4][i] + choose(0.5 * (excess + left.max(0.0)) * flow, 0.0);
         after.known[i] = u64::from(is_elastic | flows);
     }

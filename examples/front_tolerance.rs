@@ -58,7 +58,7 @@ fn lines(case: &Case, runs: &[(f64, FrontTracking, f64)], deadline: Instant) -> 
         let estimate =
             estimate(case, run, settings).map_or_else(|_| String::new(), |estimate| format!("{estimate:.3e}"));
         let balance = run.balance();
-        let taken = balance.thinned / balance.total();
+        let taken = balance.numerical / balance.total();
         let (events, fronts) = (run.events(), run.front_count());
         format!("\"{}\",{tolerance:e},{events},{fronts},{seconds:.2e},{error},{estimate},{taken:.1e}", case.name)
     };

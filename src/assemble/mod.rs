@@ -84,11 +84,11 @@ pub fn leapfrog(scene: &Scene, cells: usize, cfl: f64) -> Leapfrog {
     let grid = grid(scene, cells, cfl);
     let laws = scene.bar.segments.iter().map(|s| stepped_law(s, &scene.effects, grid.dt)).collect();
     let ends = ends_on_grid(scene);
-    let at_once = scene.effects.rate.is_none();
-    let along = along(&scene.bar, &scene.effects).unwrap_or_default();
+    let rate_independent = scene.effects.rate.is_none();
+    let along = distributed_forces(&scene.bar, &scene.effects).unwrap_or_default();
     let (fans, sudden) = start(scene, &grid, &along);
     let bar = Leapfrog::with_along(&scene.bar, grid, laws, ends.clone(), &along);
-    let bar = bar.starting_with(&ends, &fans, at_once).under_sudden_loads(sudden);
+    let bar = bar.starting_with(&ends, &fans, rate_independent).under_sudden_loads(sudden);
     match criteria(scene) {
         Some(criteria) => bar.that_breaks(criteria, above_critical(scene, &fans)),
         None => bar,
@@ -125,7 +125,7 @@ fn above_critical(scene: &Scene, fans: &[InitialFan]) -> [bool; 2] {
 /// does not start with the fans of its curves. The strain at the end of the bar is then beyond the data even where the mean strain of the first cell
 /// is not, as under a light striker.
 pub fn starts_beyond_data(scene: &Scene) -> Option<InitialFan> {
-    let is_plain = along(&scene.bar, &scene.effects).is_none() && scene.effects.rupture.is_none();
+    let is_plain = distributed_forces(&scene.bar, &scene.effects).is_none() && scene.effects.rupture.is_none();
     let [left, right] = scene.ends_in_run();
     let fans = if is_plain && follows_curves(scene) { starting_fans(&scene.bar, &left, &right) } else { Vec::new() };
     fans.into_iter().find(|fan| fan.fan.beyond_data && fan.from == 0.0 && fan.holds_until > 0.0)
@@ -239,7 +239,7 @@ fn sudden_loads(scene: &Scene, fans: &[InitialFan], grid: &Grid, part: f64) -> S
 const FADING: [f64; 2] = [0.5, 100.0];
 
 /// Fraction of the time for which schemes need the state behind a fan after which they reach that state by themselves if the bar is rate-dependent.
-const COMES_TO_IT: f64 = 0.5;
+const SELF_CONVERGED: f64 = 0.5;
 
 /// Returns the fans with which a rate-dependent bar starts, and its sudden loads; both are empty if the bar is not rate-dependent.
 fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads) {
@@ -248,13 +248,13 @@ fn start_with_rate(scene: &Scene, grid: &Grid) -> (Vec<InitialFan>, SuddenLoads)
     }
     let times = FADING.map(|steps| steps * grid.dt);
     let [early, late] = times.map(|time| {
-        let quick = rate_curves::taking_no_time(scene, time);
-        let mut fans = sudden_fans(&quick, grid, sudden_fans::LATE_IN_LEAPFROG);
+        let rate_independent = rate_curves::rate_independent(scene, time);
+        let mut fans = sudden_fans(&rate_independent, grid, sudden_fans::LATE_IN_LEAPFROG);
         fans.retain(|fan| rate_curves::has_relaxed(fan, scene, times[0]));
         // Flow after an earlier load is still relaxing when a later load arrives, so that the later fan is dropped.
         let all = fans.clone();
         fans.retain(|fan| !all.iter().any(|other| other.precedes(fan)));
-        (sudden_loads(&quick, &fans, grid, COMES_TO_IT), fans)
+        (sudden_loads(&rate_independent, &fans, grid, SELF_CONVERGED), fans)
     });
     let loads = late.0.fading(&early.0, times);
     let fans = late.1.into_iter().filter(|fan| loads.hardly_fades(fan, &early.1)).collect();
@@ -282,7 +282,7 @@ pub fn medium(segment: &Segment, effects: &Effects) -> Medium {
 
 /// Returns the forces that act along the bar besides the stress of the curve; `None` if there are none. A section counts as round: its polar radius
 /// of gyration is that of a disc, `r_p^2 = A/(2 pi)`. Poisson's ratio is the elastic one throughout.
-pub fn along(bar: &Bar, effects: &Effects) -> Option<DistributedForces> {
+pub fn distributed_forces(bar: &Bar, effects: &Effects) -> Option<DistributedForces> {
     let damping = effects.damping.unwrap_or_default();
     let lateral = |segment: &Segment| {
         let poisson = segment.material.poisson.filter(|_| effects.lateral_inertia).unwrap_or(0.0);

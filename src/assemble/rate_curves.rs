@@ -30,10 +30,10 @@ const SAME: f64 = 1e-9;
 const RELAXATION_TIMES: f64 = 3.0;
 
 /// Returns the scene with a rate-independent bar, on the curves that its rate law gives at `time` (s) after a load.
-pub(super) fn taking_no_time(scene: &Scene, time: f64) -> Scene {
+pub(super) fn rate_independent(scene: &Scene, time: f64) -> Scene {
     let mut scene = scene.clone();
     for segment in &mut scene.parts.bar.segments {
-        lift(Arc::make_mut(&mut segment.material), &scene.parts.effects, time);
+        raise_curves(Arc::make_mut(&mut segment.material), &scene.parts.effects, time);
     }
     (scene.parts.effects.rate, scene.parts.effects.heat) = (None, None);
     scene
@@ -51,16 +51,16 @@ pub(super) fn has_relaxed(fan: &InitialFan, scene: &Scene, time: f64) -> bool {
 }
 
 /// Raises the curves of a material to the rates at `time` (s) after a load. The curves of a heated material are its adiabatic ones.
-fn lift(material: &mut Material, effects: &Effects, time: f64) {
+fn raise_curves(material: &mut Material, effects: &Effects, time: f64) {
     material.heating = None;
     let Some(law) = effects.rate.and_then(|rate| Overstress::of(rate, material)) else { return };
     let modulus = material.modulus;
     for curve in [&mut material.tension].into_iter().chain(&mut material.compression) {
-        *curve = lifted(curve, modulus, law, time);
+        *curve = raised(curve, modulus, law, time);
     }
 }
 
-fn lifted(curve: &Curve, modulus: f64, law: Overstress, time: f64) -> Curve {
+fn raised(curve: &Curve, modulus: f64, law: Overstress, time: f64) -> Curve {
     let hardening = Hardening::new(&Table::new(curve, modulus));
     let end = curve.ultimate().map_or(curve.last_strain(), |ultimate| ultimate.strain);
     let known = end * modulus - curve.stress_at(end);

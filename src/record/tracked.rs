@@ -75,7 +75,7 @@ impl View for FrontTracking {
                 elastic: now.elastic,
                 plastic: now.plastic,
                 heat: now.heat,
-                numerical: now.thinned,
+                numerical: now.numerical,
                 concentrated: now.concentrated,
                 momentum: now.momentum,
                 ..Energies::default()

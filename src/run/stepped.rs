@@ -144,7 +144,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         recorder.tally.start_under(loaded);
         let tracker = FrontTracker::new(&scene.bar, bar.grid(), &recorder.initial_fans, [&scene.left, &scene.right]);
         // sigma = rho c0 v holds only without distributed forces.
-        let plain = assemble::along(&scene.bar, &scene.effects).is_none();
+        let plain = assemble::distributed_forces(&scene.bar, &scene.effects).is_none();
         let probe = ElasticProbe::new(&scene.bar, &recorder.initial_fans, scene.solve.until).filter(|_| plain);
         let audit = Audit::new(&super::case(scene, Some(bar.grid().cells())));
         let traces = Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some(), sudden.ends);
@@ -377,7 +377,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         self.traces.close();
         self.write_traces()?;
         let scene = self.recorder.scene;
-        let plain = scene.effects.rate.is_none() && assemble::along(&scene.bar, &scene.effects).is_none();
+        let plain = scene.effects.rate.is_none() && assemble::distributed_forces(&scene.bar, &scene.effects).is_none();
         let known = plain && self.bar.ruptures().is_empty();
         let Some(listener) = &self.listener else {
             let similar = || record::against_similarity(&scene.bar, &self.bar, &self.recorder.initial_fans);

@@ -67,7 +67,7 @@ pub struct StartingFan {
     pub placed: f64,
     /// Impulse (N s, in +x) that the imposed motion has given to nodes and that the scheme still has to take back: at a joint from both sides, at an
     /// end with a prescribed stress or a ball from the nodes near it.
-    pub owed: f64,
+    pub unbalanced_impulse: f64,
     /// Whether only the node at the origin follows the fan.
     pub only_origin: bool,
     /// Index of the segment. The fan does not leave it while it is imposed.
@@ -132,7 +132,7 @@ impl StartingFan {
             unloading: initial_fan.decays().then(|| Unloading::new(unloading_speed, brought)),
             yields_after: initial_fan.yields_after,
             placed: 0.0,
-            owed: 0.0,
+            unbalanced_impulse: 0.0,
             only_origin: false,
             segment: initial_fan.segment,
             fronts,
@@ -227,9 +227,9 @@ impl StartingFan {
 
     /// Adds an impulse (N s, in +x) that nodes get at the end of this step without a source. Returns the impulse to be taken back: the whole sum in
     /// the last step of the fan, else 0.
-    pub fn owe(&mut self, step: usize, impulse: f64) -> f64 {
-        self.owed += impulse;
-        if self.ends_at(step) { std::mem::take(&mut self.owed) } else { 0.0 }
+    pub fn add_unbalanced_impulse(&mut self, step: usize, impulse: f64) -> f64 {
+        self.unbalanced_impulse += impulse;
+        if self.ends_at(step) { std::mem::take(&mut self.unbalanced_impulse) } else { 0.0 }
     }
 
     /// Returns whether this is the last step at the end of which the fan is imposed.
@@ -322,14 +322,14 @@ impl StartingFan {
     }
 
     /// Records the velocity (m/s) of the end at `time` (s after the start) in this step.
-    pub fn lose(&mut self, step: usize, time: f64, velocity: f64) {
-        self.note_lost(step, time, self.loss(self.velocity_behind - velocity));
+    pub fn record_velocity(&mut self, step: usize, time: f64, velocity: f64) {
+        self.record_lost_velocity(step, time, self.loss(self.velocity_behind - velocity));
     }
 
     /// Records the velocity (m/s) that the end has lost at `time` (s after the start) in this step.
-    fn note_lost(&mut self, step: usize, time: f64, velocity: f64) {
+    fn record_lost_velocity(&mut self, step: usize, time: f64, velocity: f64) {
         if let Some(unloading) = &mut self.unloading {
-            unloading.note_velocity(time, velocity);
+            unloading.record_velocity(time, velocity);
         }
         self.end_before_it_yields(step, time);
     }
@@ -371,7 +371,7 @@ impl StartingFan {
         let velocity = inward * force / (areas[1] * impedance + areas[0] * elastic.impedance);
         let lost = plastic.loss(behind - velocity);
         for fan in fans {
-            fan.note_lost(step, middle, lost);
+            fan.record_lost_velocity(step, middle, lost);
         }
     }
 
@@ -382,10 +382,10 @@ impl StartingFan {
     }
 
     /// Records the stress (Pa) of the end at `time` (s after the start) in this step.
-    pub fn carry(&mut self, step: usize, time: f64, stress: f64) {
+    pub fn record_stress(&mut self, step: usize, time: f64, stress: f64) {
         let lost = self.loss(self.direction() * (stress - self.stress) / self.impedance);
         if let Some(unloading) = &mut self.unloading {
-            unloading.note_stress(time, lost);
+            unloading.record_stress(time, lost);
         }
         self.end_before_it_yields(step, time);
     }
@@ -518,7 +518,7 @@ mod tests {
         let mut fan = starting(Driver::Body, 0.0);
         for step in 0..=60 {
             let elapsed = (f64::from(step) + 0.5) * GRID.dt;
-            fan.lose(0, elapsed, fan.velocity_behind - 0.1 * elapsed / (60.5 * GRID.dt));
+            fan.record_velocity(0, elapsed, fan.velocity_behind - 0.1 * elapsed / (60.5 * GRID.dt));
         }
         let (time, slowest) = (60.0 * GRID.dt, fan.fronts[1].speed);
         let elapsed = time + 0.5 * GRID.dt;

@@ -16,23 +16,23 @@ struct Front {
     /// Time at which the front leaves the end, s after the start of the fan.
     delay: f64,
     /// Magnitude of F that cancels this front and all slower ones, m/s.
-    lasts: f64,
+    cancelled_by: f64,
 }
 
 impl Front {
     /// Reflection coefficient r: fraction of F that the front reflects.
-    fn throws_back(&self) -> f64 {
+    fn reflection_coefficient(&self) -> f64 {
         (1.0 - self.speed) / (1.0 + self.speed)
     }
 
     /// Time (s) at which a wave that left the end at `time` (s) returns to it.
-    fn comes_back(&self, time: f64) -> f64 {
-        (time - self.delay) / self.throws_back() + self.delay
+    fn return_time(&self, time: f64) -> f64 {
+        (time - self.delay) / self.reflection_coefficient() + self.delay
     }
 
     /// Time (s) at which a wave that returns to the end at `time` (s) left it.
-    fn has_left(&self, time: f64) -> f64 {
-        (time - self.delay) * self.throws_back() + self.delay
+    fn departure_time(&self, time: f64) -> f64 {
+        (time - self.delay) * self.reflection_coefficient() + self.delay
     }
 }
 
@@ -54,7 +54,7 @@ impl Unloading {
     /// their speed (m/s), departure time (s after the start of the fan) and velocity jump (m/s). Fronts as fast as the unloading waves are never
     /// reached by them.
     pub fn new(wave_speed: f64, fronts: impl IntoIterator<Item = [f64; 3]>) -> Self {
-        let (mut weakened, mut lasts): (Vec<Front>, f64) = (Vec::new(), 0.0);
+        let (mut weakened, mut cancelled_by): (Vec<Front>, f64) = (Vec::new(), 0.0);
         let mut start = None;
         for [speed, delay, velocity] in fronts {
             start.get_or_insert(delay);
@@ -62,8 +62,8 @@ impl Unloading {
             if speed >= 1.0 {
                 break;
             }
-            lasts += 0.5 * (1.0 + speed) * velocity.abs();
-            weakened.push(Front { speed, delay, lasts });
+            cancelled_by += 0.5 * (1.0 + speed) * velocity.abs();
+            weakened.push(Front { speed, delay, cancelled_by });
         }
         let start = [start.unwrap_or(0.0), 0.0];
         Self { wave_speed, fronts: weakened, sent: vec![start], back: vec![start] }
@@ -77,13 +77,13 @@ impl Unloading {
     }
 
     /// Records the velocity (m/s) that the end has lost at `time`, s.
-    pub fn note_velocity(&mut self, time: f64, lost: f64) {
+    pub fn record_velocity(&mut self, time: f64, lost: f64) {
         let [known, part] = self.coming_back(time);
         self.send(time, (lost - known) / (1.0 + part));
     }
 
     /// Records the stress over rho c0 (m/s) that the end has lost at `time`, s.
-    pub fn note_stress(&mut self, time: f64, lost: f64) {
+    pub fn record_stress(&mut self, time: f64, lost: f64) {
         let [known, part] = self.coming_back(time);
         self.send(time, (lost + known) / (1.0 - part));
     }
@@ -102,7 +102,8 @@ impl Unloading {
         match self.weakened_by(sent) {
             // The wave that returns then leaves the end only within this step.
             Some(front) if time > last && time > arrives => {
-                let part = front.throws_back() * (front.has_left(time) - last).max(0.0) / (time - last);
+                let part =
+                    front.reflection_coefficient() * (front.departure_time(time) - last).max(0.0) / (time - last);
                 [back - part * sent, part]
             }
             _ => [at(&self.back, time), 0.0],
@@ -111,17 +112,17 @@ impl Unloading {
 
     /// Returns the slowest front that F has not cancelled yet.
     fn weakened_by(&self, sent: f64) -> Option<&Front> {
-        self.fronts.get(self.fronts.partition_point(|front| front.lasts <= sent.abs()))
+        self.fronts.get(self.fronts.partition_point(|front| front.cancelled_by <= sent.abs()))
     }
 
     /// Adds F as the end sends it at `time`, s.
     fn send(&mut self, time: f64, wave: f64) {
         let [last, before] = self.sent[self.sent.len() - 1];
-        let used_up = self.fronts.partition_point(|front| front.lasts <= before.abs())
-            ..self.fronts.partition_point(|front| front.lasts < wave.abs());
+        let used_up = self.fronts.partition_point(|front| front.cancelled_by <= before.abs())
+            ..self.fronts.partition_point(|front| front.cancelled_by < wave.abs());
         for k in used_up {
             let front = self.fronts[k];
-            let part = (front.lasts - before.abs()) / (wave.abs() - before.abs());
+            let part = (front.cancelled_by - before.abs()) / (wave.abs() - before.abs());
             let (time, wave) = (last + part * (time - last), before + part * (wave - before));
             self.meet(time, wave, front);
             // The next front is farther away, so that its reflection arrives later.
@@ -139,7 +140,7 @@ impl Unloading {
     fn meet(&mut self, time: f64, wave: f64, front: Front) {
         let ([_, before], [arrives, back]) = (self.sent[self.sent.len() - 1], self.back[self.back.len() - 1]);
         self.sent.push([time, wave]);
-        self.back.push([front.comes_back(time).max(arrives), back + front.throws_back() * (wave - before)]);
+        self.back.push([front.return_time(time).max(arrives), back + front.reflection_coefficient() * (wave - before)]);
     }
 }
 
@@ -166,7 +167,7 @@ mod tests {
         for step in 0..400 {
             let time = (f64::from(step) + 0.5) * DT;
             let [factor, summand] = unloading.stress_for_velocity(time);
-            unloading.note_velocity(time, lost(time));
+            unloading.record_velocity(time, lost(time));
             let [velocity, stress] = unloading.lost(0.0, time);
             assert!((velocity - lost(time)).abs() < 1e-12);
             assert!((stress - factor * lost(time) - summand).abs() < 1e-12);
@@ -199,7 +200,7 @@ mod tests {
         let lost = |time: f64| 1e5 * (time - 3e-6).max(0.0);
         for step in 0..800 {
             let time = 3e-6 + (f64::from(step) + 0.5) * DT;
-            unloading.note_velocity(time, lost(time));
+            unloading.record_velocity(time, lost(time));
         }
         let at = |[speed, delay, _]: [f64; 3], time: f64| unloading.lost(speed * (time - delay), time);
         // The slow front has lost its whole velocity jump when the waves that cancel it arrive.
@@ -220,7 +221,7 @@ mod tests {
         let mut by_stress = Unloading::new(C0, [[FRONT, 0.0, 100.0]]);
         for step in 0..400 {
             let time = (f64::from(step) + 0.5) * DT;
-            by_stress.note_stress(time, by_velocity.lost(0.0, time)[1]);
+            by_stress.record_stress(time, by_velocity.lost(0.0, time)[1]);
         }
         let [a, b] = [&by_velocity, &by_stress].map(|unloading| unloading.lost(0.01, 3.3e-5));
         assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-9 * a[0]), "{a:?} {b:?}");

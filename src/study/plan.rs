@@ -282,7 +282,7 @@ fn leapfrog_cell(scene: &Scene, grid: &Grid) -> Cell {
     // Each cell stores stress and velocity; after yielding, also the state of the law and the flow of the latest step.
     let tapered = scene.bar.segments.iter().any(|segment| segment.taper.is_some());
     let sections = if tapered { TAPER_BYTES_PER_CELL } else { 0 };
-    let along = assemble::along(&scene.bar, &scene.effects);
+    let along = assemble::distributed_forces(&scene.bar, &scene.effects);
     let [nodes, yielded_nodes] = along.as_ref().map_or([0; 2], DistributedForces::bytes_per_cell);
     // Elastic cells can be stored as two waves in addition, and yielded cells too if the law states up to which stress they are elastic again.
     let waves = if along.is_none() && scene.effects.rupture.is_none() { 2 * number } else { 0 };

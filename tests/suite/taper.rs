@@ -254,7 +254,7 @@ fn the_staircase_of_fronts_converges_to_the_spherical_wave() {
         let reflects = cut.discretized.as_ref().expect("pieces").reflects;
         assert!(reflects <= share && reflects > 0.5 * share, "{reflects}");
         let bar = tracked(&cut);
-        assert!(bar.balance().thinned.abs() < 1e-12 * bar.balance().total());
+        assert!(bar.balance().numerical.abs() < 1e-12 * bar.balance().total());
         let x: Vec<f64> = (0..1000).map(|i| (f64::from(i) + 0.5) / 1000.0).collect();
         [Field::Stress, Field::Velocity].map(|field| {
             let mut values = vec![0.0; x.len()];

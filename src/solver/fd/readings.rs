@@ -61,10 +61,10 @@ impl Leapfrog {
     pub fn energies(&self) -> Energies {
         if let Some(nodes) = &self.implicit {
             let sums = nodes.sums();
-            return self.energies_with(Energies { momentum: sums.momentum - self.owed(), ..sums });
+            return self.energies_with(Energies { momentum: sums.momentum - self.unbalanced_impulse(), ..sums });
         }
         let half_step = self.left.in_transit() + self.right.in_transit() + self.lost_to_fans;
-        let momentum = -self.owed();
+        let momentum = -self.unbalanced_impulse();
         let mut total = Energies { numerical: self.taken_by_filter(), half_step, momentum, ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
@@ -145,7 +145,7 @@ impl Leapfrog {
         if let Some(nodes) = &self.implicit {
             return nodes.initial();
         }
-        let mut total = Energies { momentum: -self.owed(), ..Energies::default() };
+        let mut total = Energies { momentum: -self.unbalanced_impulse(), ..Energies::default() };
         for (k, block) in self.blocks.iter().enumerate() {
             let c = &self.constants[block.segment];
             add_nodes(&mut total, c.cell_mass, block.inner_nodes_at_start());

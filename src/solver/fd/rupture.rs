@@ -339,7 +339,7 @@ impl Leapfrog {
             let stays = fan.at_joint || !is_adjacent(fan);
             if !stays {
                 let end = if fan.side == 0 { &mut *left } else { &mut *right };
-                end.record_impulse(fan.owed);
+                end.record_impulse(fan.unbalanced_impulse);
             }
             stays
         });

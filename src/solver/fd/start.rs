@@ -172,8 +172,8 @@ impl Leapfrog {
         let middle = time + 0.5 * dt;
         if time >= 0.0 && !fan.grows_at(time) {
             match fan.driver {
-                Driver::Stress => fan.carry(self.step, middle, end.stress_ahead()),
-                _ => fan.lose(self.step, middle, end.velocity_of_body()),
+                Driver::Stress => fan.record_stress(self.step, middle, end.stress_ahead()),
+                _ => fan.record_velocity(self.step, middle, end.velocity_of_body()),
             }
             fan.placed -= fan.slowed(middle) * dt;
         }
@@ -186,7 +186,7 @@ impl Leapfrog {
         let Imposed { mut impulse, mass, mut energy } = self.impose_with_end(fan, 0.0, gives_back);
         if by_force {
             // A prescribed force gives no more than its own impulse.
-            let owed = fan.owe(self.step, impulse);
+            let owed = fan.add_unbalanced_impulse(self.step, impulse);
             impulse = 0.0;
             if gives_back {
                 energy += self.impose_with_end(fan, -owed / mass, true).energy;
@@ -196,7 +196,7 @@ impl Leapfrog {
         if by_ball {
             // A narrow fan gives single cells more than its momentum; the excess can be as large as the momentum of a light ball.
             let filtered = end.given_to_filter();
-            impulse = fan.owe(self.step, impulse + filtered) - filtered;
+            impulse = fan.add_unbalanced_impulse(self.step, impulse + filtered) - filtered;
         } else if fan.driver == Driver::Stress && !by_force {
             end.set_stress_ahead(fan.means(0.0, time, dt)[1]);
         }
@@ -260,7 +260,7 @@ impl Leapfrog {
         }
         let ends = left.ends_at(self.step);
         let made = self.impose_on_both(left, right, 0.0, ends);
-        let owed = left.owe(self.step, made.impulse);
+        let owed = left.add_unbalanced_impulse(self.step, made.impulse);
         if ends {
             self.impose_on_both(left, right, -owed / made.mass, ends);
         }
@@ -294,8 +294,8 @@ impl Leapfrog {
     }
 
     /// Returns the impulse that nodes inside fans have received from no source so far, N s in +x.
-    pub(super) fn owed(&self) -> f64 {
-        self.fans.iter().map(|fan| fan.owed).sum()
+    pub(super) fn unbalanced_impulse(&self) -> f64 {
+        self.fans.iter().map(|fan| fan.unbalanced_impulse).sum()
     }
 
     /// Imposes two fans on the nodes at the joint between them. Returns impulse and energy as [`Self::impose`] does.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::joint_clock::JointChange;
 use super::ramp::Imposed;
 use super::step_control::StepControl;
-use super::stepping::{Account, Held, Stepping};
+use super::stepping::{EndSums, Held, Stepping};
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Body, Face, Relation, Response, Step};
 use crate::wave::riemann::{Medium, Point};
@@ -361,8 +361,8 @@ impl End {
     }
 
     /// Returns work and impulse through the end up to t (s).
-    pub fn account(&self, t: f64) -> Account {
-        self.stepping.at(t).account()
+    pub fn sums(&self, t: f64) -> EndSums {
+        self.stepping.at(t).sums()
     }
 
     /// Returns the state of the striker or ball at time t (s); `None` without one.

@@ -18,7 +18,7 @@ use super::list::{Kind, NONE, Node};
 use super::merging::{Scratch, neighbours};
 use super::nearness::{REST, same_motion};
 use super::place::Content;
-use super::tracking::Unshown;
+use super::tracking::FrontWork;
 use crate::wave::riemann::{Flow, Point};
 
 /// Relative difference (of the elastic wave speed) below which two speeds count as equal.
@@ -29,7 +29,7 @@ impl FrontTracking {
     pub(super) fn merge_fronts(&mut self) {
         let mut scratch = std::mem::take(&mut self.merging.scratch);
         let energy = self.spread_out(&mut scratch);
-        let Unshown { plastic, heat, against } = self.booked.unshown;
+        let FrontWork { plastic, heat, against } = self.removed_nodes.front_work;
         self.merging.start(energy, plastic + heat + against);
         let mut start = 0;
         while start + 1 < scratch.ids.len() {
@@ -42,7 +42,7 @@ impl FrontTracking {
         let taken = self.merging.merge(&mut scratch, &self.media);
         self.put_back(&scratch);
         self.merging.energy += taken.energy;
-        self.booked.shifted.momentum -= taken.momentum;
+        self.removed_nodes.shifted.momentum -= taken.momentum;
         self.merging.scratch = scratch;
         let nodes = self.list.len();
         self.merging.passed(nodes, self.events);
@@ -73,7 +73,7 @@ impl FrontTracking {
             id = node.next;
         }
         scratch.gone.resize(scratch.ids.len(), false);
-        scratch.lifted.resize(scratch.ids.len(), false);
+        scratch.raised.resize(scratch.ids.len(), false);
         content.energy
     }
 
@@ -112,7 +112,7 @@ impl FrontTracking {
     /// Removes the nodes that were merged, and sets states and interactions of the others.
     fn put_back(&mut self, scratch: &Scratch) {
         let last = scratch.ids.len() - 1;
-        for i in (1..last).filter(|&i| scratch.gone[i] || scratch.lifted[i - 1] || scratch.lifted[i]) {
+        for i in (1..last).filter(|&i| scratch.gone[i] || scratch.raised[i - 1] || scratch.raised[i]) {
             let (left, node) = (self.list.get(scratch.ids[i - 1]).right, *self.list.get(scratch.ids[i]));
             let changed = left != scratch.pieces[i - 1] || node.right != scratch.pieces[i];
             if node.kind == Kind::Front && (scratch.gone[i] || changed) {
@@ -126,7 +126,7 @@ impl FrontTracking {
         for i in 0..last {
             if scratch.gone[i] {
                 self.drop_node(scratch.ids[i]);
-            } else if scratch.lifted[i] {
+            } else if scratch.raised[i] {
                 self.list.get_mut(scratch.ids[i]).right = scratch.pieces[i];
             }
         }
@@ -143,7 +143,7 @@ impl FrontTracking {
     /// mean of two waves has their mean work, but the work of a jump is proportional to the square of its height: if an evenly rising wave has become
     /// one front, the mean exceeds the work of the front. Merging of waves of other kinds may even bring a front to a stress of the opposite sign.
     /// The energy that it returns as it runs is not plastic work, since no material flows against its stress minus its back stress.
-    fn add_unshown(&self, node: &Node, sum: &mut Unshown) {
+    fn add_front_work(&self, node: &Node, sum: &mut FrontWork) {
         if node.kind != Kind::Front || !self.merging.is_on() {
             return;
         }
@@ -166,15 +166,15 @@ impl FrontTracking {
 
     /// Adds this work to the sums, before the front changes or is removed.
     pub(super) fn book_work_of(&mut self, node: &Node) {
-        let mut sum = self.booked.unshown;
-        self.add_unshown(node, &mut sum);
-        self.booked.unshown = sum;
+        let mut sum = self.removed_nodes.front_work;
+        self.add_front_work(node, &mut sum);
+        self.removed_nodes.front_work = sum;
     }
 
     /// Returns this work for all fronts so far.
-    pub(super) fn all_unshown(&self) -> Unshown {
-        let mut sum = self.booked.unshown;
-        self.list.iter().for_each(|node| self.add_unshown(node, &mut sum));
+    pub(super) fn total_front_work(&self) -> FrontWork {
+        let mut sum = self.removed_nodes.front_work;
+        self.list.iter().for_each(|node| self.add_front_work(node, &mut sum));
         sum
     }
 }

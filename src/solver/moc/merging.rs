@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::nearness::REST;
 use super::place::Content;
-use super::scale::softness;
+use super::scale::change_weights;
 use crate::wave::riemann::{Flow, Medium, Path, Point};
 
 /// Allowance relative to (front tolerance)^2 times stress scale times length. Steps of relative height delta at relative distances delta represent a
@@ -19,7 +19,7 @@ const ALLOWANCE: f64 = 5.0;
 /// would add up in one sense. Small changes have to be allowed because clusters of waves between two converging plastic fronts cannot be merged
 /// otherwise. A piece left there is short only at first: pieces between diverging fronts have no length where they begin, so that a merge changes
 /// little whatever it does to their stress. Hence the bound on the stress itself.
-const TRIFLE: f64 = 0.25;
+const SMALL_CHANGE: f64 = 0.25;
 
 /// Least stress change of a jump, relative to the stress scale, and in front tolerances; the larger one applies. Where nothing has flowed, merging
 /// changes the states on both sides of a jump by at most [`AT_JUMP`] times the tolerance squared times the stress scale: the largest stresses occur
@@ -57,10 +57,10 @@ pub(super) struct FrontMerging {
     /// Least stress change of a jump, and largest change of the states beside it, Pa.
     jump: f64,
     kept: f64,
-    /// For each segment, stress over E times plastic strain where the loading curve reaches the stress scale divided by the segment's softness.
+    /// For each segment, stress over E times plastic strain where the loading curve reaches the stress scale divided by the segment's change_weights.
     secant: Vec<f64>,
-    /// For each segment, the weight of its stress changes, see [`softness`].
-    softness: Vec<f64>,
+    /// For each segment, the weight of its stress changes, see [`change_weights`].
+    change_weights: Vec<f64>,
     due_at_nodes: usize,
     due_at_events: u64,
     #[serde(skip)]
@@ -76,7 +76,7 @@ pub(super) struct Scratch {
     /// States to the right of the nodes, their lengths (m), and whether a merge has changed them.
     pub pieces: Vec<Point>,
     pub lengths: Vec<f64>,
-    pub lifted: Vec<bool>,
+    pub raised: Vec<bool>,
     pub gone: Vec<bool>,
     pub kind: Vec<(f64, usize)>,
     steps: Vec<Step>,
@@ -155,9 +155,9 @@ impl FrontMerging {
         self.overstress = self.tolerance * stress_scale;
         self.jump = stress_scale * JUMP.max(JUMP_TOLERANCES * self.tolerance);
         self.kept = AT_JUMP * self.tolerance * self.overstress;
-        self.softness = softness(media, stress_scale);
+        self.change_weights = change_weights(media, stress_scale);
         self.secant =
-            media.iter().zip(&self.softness).map(|(m, softness)| secant(m, stress_scale / softness)).collect();
+            media.iter().zip(&self.change_weights).map(|(m, weight)| secant(m, stress_scale / weight)).collect();
     }
 
     /// Returns whether there is a tolerance.
@@ -166,10 +166,10 @@ impl FrontMerging {
     }
 
     /// Starts a pass through a bar that contains this energy. The pass may add the energy that earlier passes have removed, the work that merged
-    /// fronts have done since beyond their mean work (`unshown`, J), and the front tolerance times the largest energy.
-    pub fn start(&mut self, energy: f64, unshown: f64) {
+    /// fronts have done since beyond their mean work (`front_work`, J), and the front tolerance times the largest energy.
+    pub fn start(&mut self, energy: f64, front_work: f64) {
         self.largest = self.largest.max(energy);
-        self.credit = (self.energy + unshown + self.tolerance * self.largest).max(0.0);
+        self.credit = (self.energy + front_work + self.tolerance * self.largest).max(0.0);
     }
 
     /// Records a pass that left this number of nodes, after this number of events.
@@ -192,7 +192,7 @@ impl Scratch {
         self.wave.clear();
         self.pieces.clear();
         self.lengths.clear();
-        self.lifted.clear();
+        self.raised.clear();
         self.gone.clear();
     }
 
@@ -235,29 +235,36 @@ impl Scratch {
     /// energy would be less than `least`; if a piece would be past its yield stress by more than `most` (Pa) and by more than it is already; or if
     /// flow would be taken back that never happened, because where plastic waves of both directions exist the mean of one kind can be less than the
     /// flow due to the others.
-    fn lift(&mut self, steps: [Step; 2], height: &Point, medium: &Medium, most: f64, least: f64) -> Option<Content> {
+    fn set_height(
+        &mut self,
+        steps: [Step; 2],
+        height: &Point,
+        medium: &Medium,
+        most: f64,
+        least: f64,
+    ) -> Option<Content> {
         self.trial.clear();
         let rounding = REST * medium.round_off;
         let mut taken = Content::default();
         for step in steps {
             for i in step.first..step.last {
                 let piece = &self.pieces[i];
-                let mut lifted = piece.plus(height, 1.0).plus(&step.height, -1.0);
+                let mut raised = piece.plus(height, 1.0).plus(&step.height, -1.0);
                 if medium.flow != Flow::PathIndependent {
                     let lacking = |point: &Point| point.plastic.abs() - point.accumulated;
-                    if lacking(&lifted) > lacking(piece).max(0.0) + rounding {
+                    if lacking(&raised) > lacking(piece).max(0.0) + rounding {
                         return None;
                     }
-                    lifted.accumulated = lifted.accumulated.max(lifted.plastic.abs());
+                    raised.accumulated = raised.accumulated.max(raised.plastic.abs());
                 }
-                let over = medium.overstress(&lifted);
+                let over = medium.overstress(&raised);
                 if over > most + rounding && over > medium.overstress(piece) + rounding {
                     return None;
                 }
                 let volume = medium.area * self.lengths[i];
-                taken.energy += volume * (medium.energy(piece) - medium.energy(&lifted));
-                taken.momentum += volume * medium.density * (piece.velocity - lifted.velocity);
-                self.trial.push(lifted);
+                taken.energy += volume * (medium.energy(piece) - medium.energy(&raised));
+                taken.momentum += volume * medium.density * (piece.velocity - raised.velocity);
+                self.trial.push(raised);
             }
         }
         if taken.energy < least {
@@ -265,7 +272,7 @@ impl Scratch {
         }
         let pieces = steps[0].first..steps[1].last;
         self.pieces[pieces.clone()].copy_from_slice(&self.trial);
-        self.lifted[pieces].fill(true);
+        self.raised[pieces].fill(true);
         Some(taken)
     }
 }
@@ -287,12 +294,12 @@ impl FrontMerging {
             let share = share(&a, &b);
             let height = a.height.plus(&b.height, share).plus(&a.height, -share);
             let medium = &media[a.segment];
-            let most = if change > TRIFLE * self.allowance || medium.flow == Flow::PathIndependent {
+            let most = if change > SMALL_CHANGE * self.allowance || medium.flow == Flow::PathIndependent {
                 0.0
             } else {
-                self.overstress / self.softness[a.segment]
+                self.overstress / self.change_weights[a.segment]
             };
-            let Some(taken) = scratch.lift([a, b], &height, medium, most, -self.credit) else { continue };
+            let Some(taken) = scratch.set_height([a, b], &height, medium, most, -self.credit) else { continue };
             self.credit += taken.energy;
             self.changed += change;
             all.energy += taken.energy;
@@ -322,8 +329,8 @@ impl FrontMerging {
         let change = distance * 2.0 * a.length * share;
         // Histories are steepest beside ends and joints, where the flow matters most, so that less change is allowed.
         let at_border = [a.first, b.last].iter().any(|&node| scratch.wave[node].is_none());
-        let allowance = if at_border { TRIFLE * self.allowance } else { self.allowance };
-        if change > allowance || a.elastic && self.blunts([a, b], distance, share, scratch, medium) {
+        let allowance = if at_border { SMALL_CHANGE * self.allowance } else { self.allowance };
+        if change > allowance || a.elastic && self.changes_peak([a, b], distance, share, scratch, medium) {
             return None;
         }
         let change = if change < NO_CHANGE * self.allowance { 0.0 } else { change };
@@ -334,7 +341,7 @@ impl FrontMerging {
 
     /// Returns whether the mean of two steps, the second of which has the fraction `share` of their length, would change the height of a step beside
     /// a jump. This applies to a wave that decays behind the jump, not to a short pulse between two jumps.
-    fn blunts(&self, [a, b]: [&Step; 2], distance: f64, share: f64, scratch: &Scratch, medium: &Medium) -> bool {
+    fn changes_peak(&self, [a, b]: [&Step; 2], distance: f64, share: f64, scratch: &Scratch, medium: &Medium) -> bool {
         let between = distance > self.jump;
         let blunted = |step: &Step, side: usize, share: f64| {
             share * distance > self.kept && (self.beside(step, side, scratch, medium) > self.jump) != between
@@ -354,11 +361,11 @@ impl FrontMerging {
     }
 
     /// Difference of two heights, Pa: in stress, in the stress of an elastic wave of that velocity difference, or in the stress that corresponds to
-    /// that difference of plastic strain, whichever is largest. It is weighted by the softness of the segment.
+    /// that difference of plastic strain, whichever is largest. It is weighted by the [`change_weights`] of the segment.
     fn distance(&self, a: &Point, b: &Point, medium: &Medium, segment: usize) -> f64 {
         let history = (a.accumulated - b.accumulated).abs().max((a.plastic - b.plastic).abs());
         let stress = (a.stress - b.stress).abs().max((a.velocity - b.velocity).abs() * medium.impedance());
-        stress.max(history * self.secant[segment]) * self.softness[segment]
+        stress.max(history * self.secant[segment]) * self.change_weights[segment]
     }
 }
 

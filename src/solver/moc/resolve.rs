@@ -95,7 +95,7 @@ impl FrontTracking {
     /// Accounts for the work, opening and front segment of a node since its states hold, before they change or the node is removed.
     fn book_end_of(&mut self, node: &Node) {
         if matches!(node.kind, Kind::Contact | Kind::Joint) {
-            self.booked.concentrated += self.stretch_work(node);
+            self.removed_nodes.concentrated += self.stretch_work(node);
             self.keep_opening(node);
         }
         self.keep_front_segment(node);

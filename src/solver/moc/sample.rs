@@ -45,7 +45,7 @@ impl FrontTracking {
             }
             stretch += strain * (to - from) + self.opening(b) + self.jump_at(b);
         }
-        self.booked.opened.add_up(x, self.bar_length(), out);
+        self.removed_nodes.opened.add_up(x, self.bar_length(), out);
     }
 
     /// Displacement of the left (0) or right (1) end since the start, m.
@@ -79,7 +79,7 @@ impl FrontTracking {
     pub(super) fn keep_opening(&mut self, node: &Node) {
         let opening = self.opening(node);
         if opening != 0.0 {
-            self.booked.opened.add(node.x / self.bar_length(), opening);
+            self.removed_nodes.opened.add(node.x / self.bar_length(), opening);
         }
     }
 

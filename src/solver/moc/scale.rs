@@ -28,7 +28,7 @@ fn struck(medium: &Medium, at_rest: &Point, velocity: f64, work: &mut Workspace)
 
 /// Returns for each segment the largest stress of all segments over its own, >= 1, if all are struck at the velocity of a free end behind an elastic
 /// wave of `stress_scale` (Pa) in the segment of the largest impedance.
-pub(super) fn softness(media: &[Medium], stress_scale: f64) -> Vec<f64> {
+pub(super) fn change_weights(media: &[Medium], stress_scale: f64) -> Vec<f64> {
     let velocity = 2.0 * stress_scale / media.iter().map(Medium::impedance).fold(0.0, f64::max);
     let mut work = Workspace::default();
     let mut stress = |medium| struck(medium, &Point::default(), velocity, &mut work).min(stress_scale);

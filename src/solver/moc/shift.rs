@@ -45,13 +45,13 @@ impl FrontTracking {
             let right = self.list.get(last);
             self.add_piece(right, self.list.get(to).place(self.now).from(place), &mut after);
         }
-        self.booked.shifted.add(before, after);
+        self.removed_nodes.shifted.add(before, after);
     }
 
     /// Energy moved by rounding of positions and by merging of near positions, as a fraction of the energy in the bar: a measure of the errors of
     /// waves too short to be resolved.
     pub fn unresolved(&self) -> f64 {
         let total = self.content(self.end_nodes[0], self.end_nodes[1]).energy;
-        if total > 0.0 { self.booked.shifted.turnover / total } else { 0.0 }
+        if total > 0.0 { self.removed_nodes.shifted.turnover / total } else { 0.0 }
     }
 }

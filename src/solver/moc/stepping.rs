@@ -9,7 +9,7 @@ use crate::bar::ends::{self, EndModel, Push, Relation, Step};
 
 /// Work and impulse through an end.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
-pub(super) struct Account {
+pub(super) struct EndSums {
     /// Work done on the bar, J: the energy lost by a body, otherwise the work of the force at the face.
     pub work: f64,
     /// Work of the force at the face, J. A body loses more than this, by what its steps do not resolve.
@@ -55,7 +55,7 @@ pub(super) struct Stepping {
     /// Whether the relation is met: no body or wall is separated from the face.
     pub met: bool,
     /// Sums up to the start of the step.
-    account: Account,
+    sums: EndSums,
     /// Middle (s) and mean force (N) of the previous step.
     pub latest: (f64, f64),
 }
@@ -76,7 +76,7 @@ impl Stepping {
             since: 0.0,
             held: Held { force: 0.0, velocity, edge: velocity },
             met: false,
-            account: Account::default(),
+            sums: EndSums::default(),
             latest: (0.0, 0.0),
         }
     }
@@ -102,13 +102,13 @@ impl Stepping {
             let before = self.model.energy(self.displacement);
             self.model.advance(&step, &push, self.met);
             let given = before - self.model.energy(self.displacement + self.moved);
-            self.account.work += if self.model.is_conservative() { given } else { self.on_face };
+            self.sums.work += if self.model.is_conservative() { given } else { self.on_face };
             self.latest = (self.start + 0.5 * elapsed, push.force);
         }
-        self.account.on_face += self.on_face;
-        self.account.gathered += self.gathered;
-        self.account.impulse += self.impulse;
-        self.account.throughput += self.impulse.abs();
+        self.sums.on_face += self.on_face;
+        self.sums.gathered += self.gathered;
+        self.sums.impulse += self.impulse;
+        self.sums.throughput += self.impulse.abs();
         self.displacement += self.moved;
         (self.moved, self.impulse, self.on_face, self.gathered) = (0.0, 0.0, 0.0, 0.0);
         self.start = self.since;
@@ -123,8 +123,8 @@ impl Stepping {
     }
 
     /// Returns the sums up to the start of the step.
-    pub fn account(&self) -> Account {
-        self.account
+    pub fn sums(&self) -> EndSums {
+        self.sums
     }
 
     /// Returns the current step with the length `dt` (s).

@@ -2,7 +2,7 @@
 
 use super::FrontTracking;
 use super::list::{Kind, NONE};
-use super::tracking::Unshown;
+use super::tracking::FrontWork;
 
 /// Balance at one time, J and N s (per m^2 if the bar has no area of its own).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Balance {
     /// Energy dissipated by the method: the spread of the values that merging of waves averages, less what fronts return after merging made them flow
     /// against their stress; what the steps of bodies at the ends do not resolve; and the effect of rounding positions and of moving near fronts to
     /// one point.
-    pub thinned: f64,
+    pub numerical: f64,
     /// Momentum, positive in +x.
     pub momentum: f64,
     /// Momentum that rounding of positions and moving near fronts to one point added to the bar.
@@ -36,20 +36,20 @@ pub struct Balance {
 impl Balance {
     /// Total energy of the bar including all dissipation.
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.plastic + self.heat + self.concentrated + self.thinned
+        self.kinetic + self.elastic + self.plastic + self.heat + self.concentrated + self.numerical
     }
 }
 
 impl FrontTracking {
     /// Returns energies, momentum, and work and impulse through the ends, at the present time.
     pub fn balance(&self) -> Balance {
-        let Unshown { plastic, heat, against } = self.all_unshown();
+        let FrontWork { plastic, heat, against } = self.total_front_work();
         let mut sum = Balance {
             plastic,
             heat,
-            concentrated: self.booked.concentrated,
-            thinned: self.merging.energy + against - self.booked.shifted.energy,
-            shifted: self.booked.shifted.momentum,
+            concentrated: self.removed_nodes.concentrated,
+            numerical: self.merging.energy + against - self.removed_nodes.shifted.energy,
+            shifted: self.removed_nodes.shifted.momentum,
             ..Balance::default()
         };
         for node in self.list.iter().filter(|node| node.next != NONE) {
@@ -66,12 +66,12 @@ impl FrontTracking {
             sum.concentrated += self.stretch_work(node);
         }
         for (k, end) in self.ends.iter().enumerate() {
-            let account = end.account(self.time());
-            sum.work[k] = account.work;
-            sum.concentrated += account.gathered;
-            sum.thinned += account.work - account.on_face;
-            sum.impulse[k] = end.face.inward * account.impulse;
-            sum.throughput += account.throughput;
+            let through = end.sums(self.time());
+            sum.work[k] = through.work;
+            sum.concentrated += through.gathered;
+            sum.numerical += through.work - through.on_face;
+            sum.impulse[k] = end.face.inward * through.impulse;
+            sum.throughput += through.throughput;
         }
         sum
     }

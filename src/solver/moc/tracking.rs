@@ -34,7 +34,7 @@ pub(super) struct Scratch {
 
 /// Work of fronts that the states behind them do not contain, J.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
-pub(super) struct Unshown {
+pub(super) struct FrontWork {
     /// Plastic work that was not converted to heat.
     pub plastic: f64,
     pub heat: f64,
@@ -44,11 +44,11 @@ pub(super) struct Unshown {
 
 /// Sums over nodes that no longer exist.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(super) struct Booked {
+pub(super) struct RemovedNodeSums {
     /// Work dissipated at single points, J.
     pub concentrated: f64,
     /// Work of fronts that the states behind them do not contain, J.
-    pub unshown: Unshown,
+    pub front_work: FrontWork,
     pub shifted: Shifted,
     pub opened: Openings,
 }
@@ -74,7 +74,7 @@ pub struct FrontTracking {
     /// Loads that the left and the right end impose; `None` once the end has broken off.
     pub(super) loads: [Option<Load>; 2],
     pub(super) fronts: usize,
-    pub(super) booked: Booked,
+    pub(super) removed_nodes: RemovedNodeSums,
     pub(super) merging: FrontMerging,
     /// Whether a ramp was replaced by steps, or a body moves in steps.
     pub(super) in_steps: bool,
@@ -140,7 +140,7 @@ impl FrontTracking {
             stress_scale,
             loads,
             fronts: 0,
-            booked: Booked::default(),
+            removed_nodes: RemovedNodeSums::default(),
             merging,
             in_steps,
             front_segments: settings.front_segments.then(Vec::new),

@@ -126,12 +126,12 @@ impl Block {
         self.sigma[i] + plastic
     }
 
-    pub fn owes_near(&self, part: &Part, i: usize) -> bool {
-        [i - 1, i, i + 1].into_iter().any(|i| self.owes(part, i))
+    pub fn has_energy_defect_near(&self, part: &Part, i: usize) -> bool {
+        [i - 1, i, i + 1].into_iter().any(|i| self.has_energy_defect(part, i))
     }
 
     /// Returns whether slopes gave a cell more energy than allowed.
-    fn owes(&self, part: &Part, i: usize) -> bool {
+    fn has_energy_defect(&self, part: &Part, i: usize) -> bool {
         self.energy_defect
             .get(i)
             .zip(part.most_energy_defect)
@@ -139,7 +139,7 @@ impl Block {
     }
 
     /// Adds the energy that the scheme dissipated in the cells in a step to their defects.
-    pub fn note_owed(&mut self, lost: &[f64]) {
+    pub fn record_dissipation(&mut self, lost: &[f64]) {
         for (energy_defect, lost) in self.energy_defect.iter_mut().skip(GHOSTS).zip(lost) {
             *energy_defect = (*energy_defect + lost).min(0.0);
         }
@@ -187,7 +187,7 @@ impl Block {
             let (to, from) = (self.outside(side, depth), other.inside(1 - side, depth));
             (self.sigma[to], self.v[to]) = (other.sigma[from], other.v[from]);
             // Both blocks must use the same slopes beside the face between them.
-            if other.owes(part, from) || (0..numbers).any(|number| other.state_at(number, from) != 0.0) {
+            if other.has_energy_defect(part, from) || (0..numbers).any(|number| other.state_at(number, from) != 0.0) {
                 self.make_plastic(part);
             }
             if self.stage == Stage::Plastic {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
-use super::face::{response, softness, under};
+use super::face::{compliance_ratio, response, under};
 use super::part::Part;
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, Boundary, EndModel, Face, Push, Relation, Response, Step};
@@ -68,21 +68,22 @@ impl End {
         let side = usize::from(normal > 0.0);
         let i = block.inside(side, 0);
         let (stress, velocity, e_equivalent_strain) = (block.sigma[i], block.v[i], block.e_equivalent_strain(part, i));
-        let mut softness = |change: f64| softness(block, part, side, change, work);
+        let mut compliance_ratio = |change: f64| compliance_ratio(block, part, side, change, work);
         let outward = normal * part.dx;
         let (beyond, moving) = match self.model.boundary(&self.step(time, dt), &self.latest, self.met) {
             Boundary::Velocity { value, rate } => {
                 let (value, rate) = (-normal * value, -normal * rate);
                 (stress + outward * part.density * rate, 2.0 * value - velocity)
             }
-            Boundary::Force { value, rate } => {
-                (-2.0 * value / area - stress, velocity - outward * rate / area * softness(-rate) / part.modulus)
-            }
+            Boundary::Force { value, rate } => (
+                -2.0 * value / area - stress,
+                velocity - outward * rate / area * compliance_ratio(-rate) / part.modulus,
+            ),
             Boundary::Open => (stress, velocity),
         };
         let change = beyond - stress;
         // The strain is used only where the curve is followed both ways.
-        let stretch = if part.path_independent { softness(change) * change } else { change };
+        let stretch = if part.path_independent { compliance_ratio(change) * change } else { change };
         [beyond, moving, e_equivalent_strain + stretch]
     }
 
@@ -96,12 +97,12 @@ impl End {
     pub fn step_flux(&mut self, time: f64, dt: f64, part: &Part, near: &FaceState, work: &mut Workspace) -> Flux {
         let step = self.step(time, dt);
         let (flux, met) = self.respond(&step, part, near, work);
-        self.account(&step, flux, met)
+        self.record_step(&step, flux, met)
     }
 
     /// Same with a known flux.
     pub fn step_with(&mut self, time: f64, dt: f64, flux: Flux) -> Flux {
-        self.account(&self.step(time, dt), flux, true)
+        self.record_step(&self.step(time, dt), flux, true)
     }
 
     /// Same behind a fan.
@@ -111,10 +112,10 @@ impl End {
         let impedance = area * impedance;
         let bar = Response { force: -area * stress - impedance * inward * fan.velocity_behind, impedance };
         let [force, velocity] = self.model.relation(&step, &bar).solve_with(&bar);
-        self.account(&step, Flux { stress: -force / area, velocity: inward * velocity }, true)
+        self.record_step(&step, Flux { stress: -force / area, velocity: inward * velocity }, true)
     }
 
-    fn account(&mut self, step: &Step, flux: Flux, met: bool) -> Flux {
+    fn record_step(&mut self, step: &Step, flux: Flux, met: bool) -> Flux {
         let (force, velocity) = (-self.face.area * flux.stress, self.face.inward * flux.velocity);
         let push = Push { force, velocity, impulse: force * step.dt };
         let held = self.model.energy(self.displacement);

@@ -36,7 +36,7 @@ const EQUAL: f64 = 1e-9;
 /// elastic. If it flows, the value is the ratio of the differences to the next cell, which represents the bend of the curve in coarse cells, limited
 /// to the compliance of the curve: between cells that have flowed by different amounts the ratio may be anything, and between equal stresses it is
 /// rounding.
-pub(super) fn softness(block: &Block, part: &Part, side: usize, change: f64, work: &mut Workspace) -> f64 {
+pub(super) fn compliance_ratio(block: &Block, part: &Part, side: usize, change: f64, work: &mut Workspace) -> f64 {
     if block.stage != Stage::Plastic || change == 0.0 {
         return 1.0;
     }

@@ -39,7 +39,7 @@ impl Block {
     /// Returns whether slopes gave energy to a cell or a neighbour, near a cell that has reached a level or falling part of its curve. Elsewhere the
     /// scheme dissipates that energy again, and fronts without slopes would be spread as by a first-order scheme.
     fn is_level_and_owes(&self, part: &Part, i: usize) -> bool {
-        self.owes_near(part, i) && self.come_to_level(part, self.around(i))
+        self.has_energy_defect_near(part, i) && self.come_to_level(part, self.around(i))
     }
 
     /// Returns whether strains of these cells lie beyond the elastic limit in one sense and extend into the other: a shock that reverses the strain,

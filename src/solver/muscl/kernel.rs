@@ -291,7 +291,7 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
         correct_history(block, part, scratch);
     }
     scratch.through.set_known(block);
-    let Scratch { through, ahead, increment, stress, lost, slope: turned, in_shock, .. } = scratch;
+    let Scratch { through, ahead, increment, stress, lost, slope: onset_correction, in_shock, .. } = scratch;
     increment[..row].fill(0.0);
     let faces = through.velocity[GHOSTS..=row - GHOSTS].windows(2);
     for (increment, face) in increment[GHOSTS..row - GHOSTS].iter_mut().zip(faces) {
@@ -306,12 +306,14 @@ fn plastic(block: &mut Block, part: &Part, scratch: &mut Scratch) {
     let own = GHOSTS..row - GHOSTS;
     let [increment, stress, sigma, work] =
         [&increment[..], &stress[..], &block.sigma, work].map(|cells| &cells[own.clone()]);
-    block.lost -= turned_work(part.gain, increment, [stress, sigma], work, turned);
+    block.lost -= turned_work(part.gain, increment, [stress, sigma], work, onset_correction);
     if part.keeps_shocks() {
-        let losses = in_shock[own].iter().zip(lost.iter().zip(turned.iter()));
-        block.shock_loss.note(losses.filter(|(in_shock, _)| **in_shock).map(|(_, (lost, turned))| lost - turned).sum());
+        let losses = in_shock[own].iter().zip(lost.iter().zip(onset_correction.iter()));
+        block
+            .shock_loss
+            .note(losses.filter(|(in_shock, _)| **in_shock).map(|(_, (lost, correction))| lost - correction).sum());
     }
-    block.note_owed(&lost[..row - 2 * GHOSTS]);
+    block.record_dissipation(&lost[..row - 2 * GHOSTS]);
 }
 
 /// Calls [`RowLaw::strain`], or adds the increments directly if the histories show that no cell flows.
@@ -331,20 +333,21 @@ fn strain(
     }
 }
 
-/// Writes to `turned` the plastic work of cells that exceeds the work of the mean stresses of the step, per area and time, W/m^2. Returns its sum.
+/// Writes to `onset_correction` the plastic work of cells that exceeds the work of the mean stresses of the step, per area and time, W/m^2. Returns its sum.
 #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
 fn turned_work(
     gain: f64,
     increment: &[f64],
     [before, after]: [&[f64]; 2],
     work: &[f64],
-    turned: &mut [f64; ROW],
+    onset_correction: &mut [f64; ROW],
 ) -> f64 {
     let cells = increment.len();
-    let (before, after, work, turned) = (&before[..cells], &after[..cells], &work[..cells], &mut turned[..cells]);
+    let (before, after, work, onset_correction) =
+        (&before[..cells], &after[..cells], &work[..cells], &mut onset_correction[..cells]);
     for i in 0..cells {
         let of_mean = (before[i] + after[i]) * (increment[i] - (after[i] - before[i]));
-        turned[i] = 0.5 * (work[i] - of_mean) / gain;
+        onset_correction[i] = 0.5 * (work[i] - of_mean) / gain;
     }
-    sum(turned)
+    sum(onset_correction)
 }

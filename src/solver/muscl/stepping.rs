@@ -195,7 +195,7 @@ impl Muscl {
                 self.ends[side].step_with(time, dt, Flux { stress, velocity })
             } else if let Some(fan) = fan {
                 let flux = self.ends[side].step_behind(time, dt, fan);
-                fan.lose(self.step, time - fan.from + 0.5 * dt, flux.velocity);
+                fan.record_velocity(self.step, time - fan.from + 0.5 * dt, flux.velocity);
                 flux
             } else {
                 let near = face::near(&self.blocks[k], part, side, &mut self.state, &mut self.work);

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::part::{INSIDE, Load, Part};
+use super::part::{INSIDE, Load, NetSegment};
 use crate::bar::EndCondition;
 use crate::bar::ends::{self, EndModel, Face, Push, Relation, Response, Step};
 use crate::law::rate::{Flow, History};
@@ -52,7 +52,7 @@ struct Answer {
 
 impl End {
     /// Creates an end. `inward` is +1 at the left end and -1 at the right one; `velocity` is that of the bar at the start, in +x.
-    pub fn new(condition: &EndCondition, inward: f64, part: &Part, velocity: f64, dt: f64) -> Self {
+    pub fn new(condition: &EndCondition, inward: f64, part: &NetSegment, velocity: f64, dt: f64) -> Self {
         let impedance = part.impedance * part.area;
         let face = Face { inward, area: part.area, impedance, velocity: inward * velocity };
         Self {
@@ -70,10 +70,10 @@ impl End {
     }
 
     /// Advances the end over the step that begins at `time`. Receives the arriving characteristic W and returns the leaving one.
-    pub fn advance(&mut self, time: f64, arriving: f64, part: &mut Part) -> f64 {
+    pub fn advance(&mut self, time: f64, arriving: f64, part: &mut NetSegment) -> f64 {
         let answer = self.answer(time, arriving, part);
         let half_way = self.reading_of(answer.force, answer.velocity);
-        part.account(self.node(part), half_way.stress, &answer.flow, answer.history);
+        part.record_flow(self.node(part), half_way.stress, &answer.flow, answer.history);
         let impulse = self.dt * answer.force;
         let push = Push { force: answer.force, velocity: answer.velocity, impulse };
         let held = self.model.energy(self.displacement);
@@ -91,7 +91,7 @@ impl End {
         2.0 * half_way.stress - arriving
     }
 
-    fn node(&self, part: &Part) -> usize {
+    fn node(&self, part: &NetSegment) -> usize {
         if self.face.inward > 0.0 { 0 } else { part.f.len() }
     }
 
@@ -116,7 +116,7 @@ impl End {
 
     /// State of the end at the whole step `time`: the mean of the half steps before and after. If its history jumps there, the half step after; at
     /// the start, the state just after t = 0, before any flow.
-    pub fn reading(&self, time: f64, arriving: f64, part: &Part) -> EndState {
+    pub fn reading(&self, time: f64, arriving: f64, part: &NetSegment) -> EndState {
         if time <= 0.5 * self.dt {
             let bar = Response { force: -self.face.area * arriving, impedance: self.face.impedance };
             let [force, velocity] = ends::at_once(self.model.as_ref(), &self.step(time), &bar);
@@ -135,7 +135,7 @@ impl End {
         EndSample { now, latest: if step == 0 || self.flowed { EndState::UNKNOWN } else { self.last } }
     }
 
-    fn answer(&self, time: f64, arriving: f64, part: &Part) -> Answer {
+    fn answer(&self, time: f64, arriving: f64, part: &NetSegment) -> Answer {
         let bar = Response { force: -self.face.area * arriving, impedance: self.face.impedance };
         let (model, step) = (self.model.as_ref(), self.step(time));
         let mut relation = model.relation(&step, &bar);
@@ -153,7 +153,7 @@ impl End {
         answer
     }
 
-    fn respond(&self, relation: &Relation, bar: &Response, part: &Part) -> Answer {
+    fn respond(&self, relation: &Relation, bar: &Response, part: &NetSegment) -> Answer {
         let [elastic, _] = relation.solve_with(bar);
         let share = INSIDE * relation.of_velocity / (relation.of_velocity + relation.of_force * bar.impedance);
         let load = |share| Load { stress: -elastic / self.face.area, share, time: self.dt };
@@ -183,7 +183,7 @@ impl End {
         self.work
     }
 
-    /// Part of that work that did not reach the face, J.
+    /// NetSegment of that work that did not reach the face, J.
     pub fn lost(&self) -> f64 {
         self.work - self.work_on_face
     }

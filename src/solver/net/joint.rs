@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::part::{INSIDE, Load, Part};
+use super::part::{INSIDE, Load, NetSegment};
 use crate::bar::ends::Response;
 use crate::bar::joint::{Contact, force_at, free_rate};
 use crate::bar::{Joint as Kind, SuddenLoad};
@@ -17,7 +17,7 @@ const ROUNDS: usize = 8;
 
 /// Waves that leave a joint: g into the left segment and f into the right one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Passed {
+pub(super) struct LeavingWaves {
     pub to_left: f64,
     pub to_right: f64,
 }
@@ -31,7 +31,7 @@ pub(super) struct Joint {
 
 /// One side of a joint.
 struct Side<'a> {
-    part: &'a Part,
+    part: &'a NetSegment,
     /// Index of the border node.
     node: usize,
     /// Ratio of its stress drop to its plastic flow: 0 at a free face, [`INSIDE`] at a rigid neighbour.
@@ -63,7 +63,7 @@ impl Joint {
     }
 
     /// Advances the joint by one step and returns the waves that leave it.
-    pub fn pass(&mut self, left: &mut Part, right: &mut Part, dt: f64) -> Passed {
+    pub fn transmit(&mut self, left: &mut NetSegment, right: &mut NetSegment, dt: f64) -> LeavingWaves {
         let bars = [bar(left, 1), bar(right, 0)];
         let Some(contact) = &mut self.contact else { return couple(left, right, &bars, Some(0.0), dt).0 };
         let (gap, rate) = (contact.gap(), contact.closing_rate(dt));
@@ -89,13 +89,19 @@ impl Joint {
 }
 
 /// Response of a segment at its left (0) or right (1) border before the border node flows.
-fn bar(part: &Part, side: usize) -> Response {
+fn bar(part: &NetSegment, side: usize) -> Response {
     Response { force: -part.area * part.arriving(side), impedance: part.area * part.impedance }
 }
 
 /// Couples two sides whose gap grows at `rate` (m/s), or that do not touch if `rate` is `None`. Returns the waves that leave, and the force between
 /// the sides half-way through their flow and at the reading.
-fn couple(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<f64>, dt: f64) -> (Passed, [f64; 2]) {
+fn couple(
+    left: &mut NetSegment,
+    right: &mut NetSegment,
+    bars: &[Response; 2],
+    rate: Option<f64>,
+    dt: f64,
+) -> (LeavingWaves, [f64; 2]) {
     let force_of = |bars: &[Response; 2]| rate.map_or(0.0, |rate| force_at(rate, bars));
     let held = if rate.is_some() { INSIDE / (bars[0].impedance + bars[1].impedance) } else { 0.0 };
     let nodes = [left.f.len(), 0];
@@ -110,10 +116,10 @@ fn couple(left: &mut Part, right: &mut Part, bars: &[Response; 2], rate: Option<
     };
     let force = after([0.25 * flow_left.plastic, 0.25 * flow_right.plastic]);
     let read = after([0.5 * flow_left.before, 0.5 * flow_right.before]);
-    left.account(nodes[0], -force / left.area, &flow_left, left_history);
-    right.account(nodes[1], -force / right.area, &flow_right, right_history);
-    let leaves = |part: &Part, side: usize| -2.0 * force / part.area - part.arriving(side);
-    (Passed { to_left: leaves(left, 1), to_right: leaves(right, 0) }, [force, read])
+    left.record_flow(nodes[0], -force / left.area, &flow_left, left_history);
+    right.record_flow(nodes[1], -force / right.area, &flow_right, right_history);
+    let leaves = |part: &NetSegment, side: usize| -2.0 * force / part.area - part.arriving(side);
+    (LeavingWaves { to_left: leaves(left, 1), to_right: leaves(right, 0) }, [force, read])
 }
 
 /// Returns plastic flow and history of both sides. Each side flows under the force that the other's flow leaves at the reading.

@@ -35,9 +35,9 @@ pub(super) struct Nodes {
 pub(super) struct Work {
     /// Total plastic work.
     pub total: f64,
-    /// Part of the total done by the overstress.
+    /// NetSegment of the total done by the overstress.
     pub overstress: f64,
-    /// Part of the total that the net dissipates numerically.
+    /// NetSegment of the total that the net dissipates numerically.
     pub numerical: f64,
 }
 
@@ -60,7 +60,7 @@ impl Work {
 
 /// A segment.
 #[derive(Debug, Clone)]
-pub(super) struct Part {
+pub(super) struct NetSegment {
     pub law: RateLaw,
     end: DataEnd,
     /// Time step, s.
@@ -79,7 +79,7 @@ pub(super) struct Part {
     pub centres: Nodes,
     /// Border nodes, one more than cells. The first and the last belong to the joints or ends there.
     pub borders: Nodes,
-    /// Plastic work so far, Pa^2; [`Part::per_work`] converts it to joules.
+    /// Plastic work so far, Pa^2; [`NetSegment::per_work`] converts it to joules.
     pub work: Work,
 }
 
@@ -182,7 +182,7 @@ fn any_beyond(f: &[f64], g: &[f64], low: &[f64], high: &[f64]) -> bool {
     any
 }
 
-impl Part {
+impl NetSegment {
     pub fn new(law: RateLaw, grid: &SegmentGrid, dt: f64, segment: &Segment) -> Self {
         let (impedance, modulus, cells) = (segment.material.impedance(), segment.material.modulus, grid.cells.clone());
         let history = |[from, to]: [f64; 2]| law.deformed(&segment.initial_between(from, to).deformed(modulus));
@@ -264,7 +264,7 @@ impl Part {
     }
 
     /// Accounts for the flow of such a node, which is half a node, under `stress`, the mean of the stresses before and after it.
-    pub fn account(&mut self, node: usize, stress: f64, flow: &Flow, history: History) {
+    pub fn record_flow(&mut self, node: usize, stress: f64, flow: &Flow, history: History) {
         self.work.add(Work::of(0.5, stress, flow));
         self.borders.set(&self.law, node, flow, history);
     }

@@ -2,7 +2,7 @@
 
 use super::end::End;
 use super::joint::Joint;
-use super::part::Part;
+use super::part::NetSegment;
 use super::stepping::Net;
 use crate::bar::joint::Contact;
 use crate::law::rate::History;
@@ -31,7 +31,7 @@ impl Net {
         }
     }
 
-    fn read(quantity: Quantity, part: &Part, i: usize) -> f64 {
+    fn read(quantity: Quantity, part: &NetSegment, i: usize) -> f64 {
         if quantity == Quantity::Velocity {
             return part.velocity(i);
         }
@@ -73,7 +73,7 @@ impl Net {
     /// Returns the present state of the left and the right end.
     pub fn ends(&self) -> [EndState; 2] {
         let time = self.time();
-        let leaving = |part: &Part, i: usize| super::part::INSIDE * part.flow_of_cell(i).plastic;
+        let leaving = |part: &NetSegment, i: usize| super::part::INSIDE * part.flow_of_cell(i).plastic;
         let (first, last) = (&self.parts[0], &self.parts[self.parts.len() - 1]);
         let right_cell = last.f.len() - 1;
         [
@@ -163,7 +163,8 @@ impl Net {
 
     /// Returns the first cell whose stress or velocity is not finite.
     pub fn not_finite(&self) -> Option<usize> {
-        let bad = |p: &Part| p.f.iter().zip(&p.g).position(|(f, g)| !(f + g).is_finite()).map(|i| p.cells.start + i);
+        let bad =
+            |p: &NetSegment| p.f.iter().zip(&p.g).position(|(f, g)| !(f + g).is_finite()).map(|i| p.cells.start + i);
         self.parts.iter().find_map(bad)
     }
 

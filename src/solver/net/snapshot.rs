@@ -1,7 +1,7 @@
 //! State of a characteristic net, for a checkpoint.
 
 use super::end::End;
-use super::part::Part;
+use super::part::NetSegment;
 use super::stepping::Net;
 use crate::snapshot::{Result, Snapshot, pack, unpack};
 
@@ -14,7 +14,7 @@ impl Snapshot for Net {
     fn restore(&mut self, saved: &[u8]) -> Result<()> {
         let (parts, [left, right]): (Vec<_>, [_; 2]);
         (self.step, parts, [left, right], self.joints, self.passed) = unpack(saved)?;
-        for (Part { f, g, centres, borders, work, .. }, saved) in self.parts.iter_mut().zip(parts) {
+        for (NetSegment { f, g, centres, borders, work, .. }, saved) in self.parts.iter_mut().zip(parts) {
             (*f, *g, *centres, *borders, *work) = saved;
         }
         self.ends[0].restore(left);

@@ -2,7 +2,7 @@
 
 use super::end::End;
 use super::joint::Joint;
-use super::part::Part;
+use super::part::NetSegment;
 use crate::bar::{Bar, EndCondition, SuddenLoads};
 use crate::law::FirstPassed;
 use crate::law::rate::RateLaw;
@@ -12,7 +12,7 @@ use crate::solver::fd::Grid;
 #[derive(Debug, Clone)]
 pub struct Net {
     pub(super) grid: Grid,
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<NetSegment>,
     /// Joints, one fewer than segments.
     pub(super) joints: Vec<Joint>,
     pub(super) ends: [End; 2],
@@ -26,12 +26,12 @@ pub struct Net {
 impl Net {
     /// Creates a bar at t = 0 in the state of its segments, on a [`super::grid`]. `laws` has one entry per segment.
     pub fn new(bar: &Bar, grid: Grid, laws: Vec<RateLaw>, ends: [EndCondition; 2]) -> Self {
-        let parts: Vec<Part> = bar
+        let parts: Vec<NetSegment> = bar
             .segments
             .iter()
             .zip(&grid.segments)
             .zip(laws)
-            .map(|((segment, part), law)| Part::new(law, part, grid.dt, segment))
+            .map(|((segment, part), law)| NetSegment::new(law, part, grid.dt, segment))
             .collect();
         let [left, right] = ends;
         let last = parts.len() - 1;
@@ -86,7 +86,7 @@ impl Net {
     fn meet_at_joints(&mut self) {
         for k in 1..self.parts.len() {
             let (before, after) = self.parts.split_at_mut(k);
-            let passed = self.joints[k - 1].pass(&mut before[k - 1], &mut after[0], self.grid.dt);
+            let passed = self.joints[k - 1].transmit(&mut before[k - 1], &mut after[0], self.grid.dt);
             self.entering[k - 1][1] = passed.to_left;
             self.entering[k][0] = passed.to_right;
         }

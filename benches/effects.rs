@@ -6,7 +6,7 @@ mod common;
 use std::time::Instant;
 
 use barwave::assemble;
-use barwave::record::{Audit, Case, LOOKS, Off};
+use barwave::record::{AUDIT_SAMPLES, Audit, Case, Off};
 use barwave::solver::fd::Sampling;
 use common::{CELLS, scene, shortest};
 
@@ -64,9 +64,9 @@ fn share_of_audit(cells: usize, rates: &str) -> f64 {
         let start = Instant::now();
         bar.advance();
         stepping += start.elapsed().as_secs_f64();
-        if step.is_multiple_of(steps / LOOKS) {
+        if step.is_multiple_of(steps / AUDIT_SAMPLES) {
             let start = Instant::now();
-            audit.look(&bar, &places);
+            audit.sample(&bar, &places);
             looking += start.elapsed().as_secs_f64();
         }
     }

@@ -30,7 +30,7 @@ pub struct Companions {
 impl Companions {
     /// Creates the differences from a coarser companion only; `response` is that of the run.
     pub fn coarser(response: &Response, companion: &Response) -> Self {
-        Self { coarser: companion.apart(response, response), finer: None }
+        Self { coarser: companion.difference(response, response), finer: None }
     }
 
     /// Adds the finest companion that is expected to stay within a multiple of the run's events, if there is one.
@@ -58,7 +58,7 @@ impl Companions {
             left = left.saturating_sub(bar.events());
             events = [events[1], bar.events()];
             let before = apart;
-            let table = response.apart(&finer, response);
+            let table = response.difference(&finer, response);
             apart = table.largest().map_or(0.0, |largest| largest.1);
             self.finer = Some((settings, table));
             if apart > 0.0 && (apart - before).abs() <= SETTLED * apart {
@@ -78,7 +78,7 @@ impl Companions {
         let merged = || {
             // Companions that merged the same fronts as the run show no difference; the sum of all merges is an upper
             // bound that is too large, but safe.
-            let total = response.fields.last().map_or(0.0, |(_, field)| field.apart(field).1);
+            let total = response.fields.last().map_or(0.0, |(_, field)| field.l1_difference(field).1);
             if total > 0.0 { run.merged() / total } else { 0.0 }
         };
         ErrorTable::of(|measure| {

@@ -45,7 +45,7 @@ impl JointForces {
 
     /// Adds the rows up to `until` (s) of the stress histories on the left (`side` 0) or right (1) of the joints. After
     /// a fracture the stress next to a joint is that of a fragment, and is ignored.
-    pub fn hear(&mut self, rows: &[Trace], side: usize, until: f64, ruptures: &[Rupture]) {
+    pub fn add_rows(&mut self, rows: &[Trace], side: usize, until: f64, ruptures: &[Rupture]) {
         for (joint, rows) in self.0.iter_mut().zip(rows) {
             let last = joint.broken(ruptures).map_or(until, |rupture| rupture.time.min(until));
             for (&time, &stress) in rows.time.iter().zip(&rows.stress).take_while(|row| *row.0 <= last) {

@@ -2,7 +2,7 @@
 
 mod front_errors;
 mod joint_forces;
-mod listen;
+mod recorders;
 mod respond;
 mod response;
 mod richardson;
@@ -10,8 +10,8 @@ mod shape;
 mod similar;
 
 pub use front_errors::{Companions, SAFETY_OF_TRACKING};
-pub use listen::{FrontListener, GridListener};
-pub use respond::{Course, Ended, Respond, respond};
+pub use recorders::{FrontRecorder, GridRecorder};
+pub use respond::{Ended, Respond, ResponseRequest, respond};
 pub use response::{INSTANTS, Response, evenly};
 pub use richardson::{Estimate, Rules, SAFETY, SAFETY_OF_FRONTS, extrapolate};
 pub use shape::{Cells, Shape};

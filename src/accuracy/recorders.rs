@@ -21,13 +21,13 @@ const LEAST_INSTANTS: usize = 4;
 const ROWS: [usize; 2] = [1 << 10, 1 << 20];
 
 /// Returns the instants to be recorded on a grid with this number of cells, selected from the requested ones (increasing).
-fn instants(asked: &[f64], cells: usize) -> Vec<f64> {
-    evenly(asked, (MOST_VALUES / cells.max(1)).clamp(LEAST_INSTANTS, asked.len().max(LEAST_INSTANTS)))
+fn instants(requested: &[f64], cells: usize) -> Vec<f64> {
+    evenly(requested, (MOST_VALUES / cells.max(1)).clamp(LEAST_INSTANTS, requested.len().max(LEAST_INSTANTS)))
 }
 
 /// Recorder of the response of a bar on a grid.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct GridListener {
+pub struct GridRecorder {
     /// Instants of the fields, s, increasing.
     due: Vec<f64>,
     /// Time step, s.
@@ -42,18 +42,18 @@ pub struct GridListener {
     response: Response,
 }
 
-impl GridListener {
-    /// Creates the recorder of a bar before its first step. The fields are recorded at the instants `asked` (s,
+impl GridRecorder {
+    /// Creates the recorder of a bar before its first step. The fields are recorded at the instants `requested` (s,
     /// increasing) or at every second, fourth, ... of them. `gauges` is the number of gauges, and `joints` are the
     /// segments to the left of the joints.
-    pub fn new(scene: &Bar, bar: &impl Stepped, asked: &[f64], gauges: usize, joints: &[usize]) -> Self {
+    pub fn new(scene: &Bar, bar: &impl Stepped, requested: &[f64], gauges: usize, joints: &[usize]) -> Self {
         let (dt, cells) = (bar.grid().dt, bar.grid().cells());
         let rows = (MOST_VALUES / (gauges + 2)).clamp(ROWS[0], ROWS[1]);
         let mut joints = JointForces::new(scene, joints);
         let sudden = bar.sudden_loads();
         joints.start_under(&sudden.joints);
         Self {
-            due: instants(asked, cells),
+            due: instants(requested, cells),
             dt,
             before: None,
             ends: [History::new(rows), History::new(rows)],
@@ -92,8 +92,8 @@ impl GridListener {
     }
 
     /// Reads the fields if they are due. To be called before the first step and after each step returned by
-    /// [`GridListener::next`]. Between two steps the fields are interpolated.
-    pub fn look(&mut self, bar: &impl Stepped) {
+    /// [`GridRecorder::next`]. Between two steps the fields are interpolated.
+    pub fn read_fields(&mut self, bar: &impl Stepped) {
         while let Some(&instant) = self.due.get(self.response.fields.len()) {
             let (first, weight) = self.place(instant);
             let before = self.before.as_ref().filter(|(step, _)| *step == first && bar.step() == first + 1);
@@ -118,10 +118,10 @@ impl GridListener {
     }
 
     /// Adds rows of the histories; those of the joints follow those of the gauges. `ruptures` are the fractures of the bar so far.
-    pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2], ruptures: &[Rupture]) {
+    pub fn add_rows(&mut self, gauges: &[Trace], ends: &[Trace; 2], ruptures: &[Rupture]) {
         // The factor allows for rounding: times are sums of steps.
         let until = self.due.last().copied().unwrap_or(0.0) * (1.0 + 1e-9);
-        self.joints.hear(&gauges[self.gauges.len()..], 0, until, ruptures);
+        self.joints.add_rows(&gauges[self.gauges.len()..], 0, until, ruptures);
         for (history, trace) in self.ends.iter_mut().zip(ends).chain(self.gauges.iter_mut().zip(gauges)) {
             for (&time, &stress) in trace.time.iter().zip(&trace.stress) {
                 if time <= until {
@@ -228,13 +228,13 @@ impl History {
 
 /// Recorder of the response of a front-tracking bar.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct FrontListener {
+pub struct FrontRecorder {
     gauges: Vec<(Vec<f64>, Vec<f64>)>,
     joints: JointForces,
     response: Response,
 }
 
-impl FrontListener {
+impl FrontRecorder {
     /// Creates the recorder of a bar at t = 0 with this number of gauges; `joints` are the segments to the left of the joints.
     pub fn new(scene: &Bar, gauges: usize, joints: &[usize]) -> Self {
         let gauges = vec![(Vec::new(), Vec::new()); gauges];
@@ -242,14 +242,14 @@ impl FrontListener {
     }
 
     /// Records the stress over the bar at the current time.
-    pub fn look(&mut self, bar: &FrontTracking) {
+    pub fn read_fields(&mut self, bar: &FrontTracking) {
         self.response.fields.push((bar.time(), stress_of(bar)));
     }
 
     /// Adds rows of the gauges, followed by those of the joints; `ruptures` are the fractures of the bar so far.
-    pub fn hear(&mut self, gauges: &[Trace], ruptures: &[Rupture]) {
+    pub fn add_rows(&mut self, gauges: &[Trace], ruptures: &[Rupture]) {
         // In front tracking, joints are read on their right side.
-        self.joints.hear(&gauges[self.gauges.len()..], 1, f64::INFINITY, ruptures);
+        self.joints.add_rows(&gauges[self.gauges.len()..], 1, f64::INFINITY, ruptures);
         for ((times, stresses), trace) in self.gauges.iter_mut().zip(gauges) {
             times.extend(&trace.time);
             stresses.extend(&trace.stress);

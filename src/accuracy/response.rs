@@ -75,11 +75,11 @@ impl Response {
 
     /// Returns the errors against a reference, which must contain a field at (nearly) each instant of this response.
     pub fn errors(&self, reference: &Self) -> ErrorTable {
-        self.apart(reference, reference)
+        self.difference(reference, reference)
     }
 
     /// Returns the differences from another response, relative to a third one, so that the differences of several pairs have the same scale.
-    pub fn apart(&self, other: &Self, relative_to: &Self) -> ErrorTable {
+    pub fn difference(&self, other: &Self, relative_to: &Self) -> ErrorTable {
         let scale = relative_to.scale();
         let over = |(apart, total): (f64, f64), floor: f64| {
             let scale = total.max(floor);
@@ -88,28 +88,29 @@ impl Response {
         let (over_bar, over_time) = (FLOOR * scale.stress * scale.length, FLOOR * scale.stress * scale.duration);
         ErrorTable::of(|measure| match measure {
             Measure::Field => {
-                let (apart, instants) = self.fields_apart(other)?;
+                let (apart, instants) = self.field_difference(other)?;
                 Some(over((apart / instants, scale.field), over_bar))
             }
             Measure::FieldAtEnd => {
                 let (time, own) = self.fields.last()?;
                 let (reference, by) = (&other.nearest(*time)?.1, &relative_to.nearest(*time)?.1);
-                let total = by.apart(by).1.max(OF_MEAN * scale.field);
-                Some(over((own.apart(reference).0, total), over_bar))
+                let total = by.l1_difference(by).1.max(OF_MEAN * scale.field);
+                Some(over((own.l1_difference(reference).0, total), over_bar))
             }
             Measure::Ends => {
-                let apart: f64 = self.ends.iter().zip(&other.ends).map(|(own, other)| own.apart(other).0).sum();
-                let total: f64 = relative_to.ends.iter().map(|end| end.apart(end).1).sum();
+                let apart: f64 = self.ends.iter().zip(&other.ends).map(|(own, other)| own.l1_difference(other).0).sum();
+                let total: f64 = relative_to.ends.iter().map(|end| end.l1_difference(end).1).sum();
                 Some(over((apart, total), over_time))
             }
             Measure::Gauges => {
                 let gauges = self.gauges.iter().zip(&other.gauges).zip(&relative_to.gauges);
-                let relative = gauges.map(|((own, other), by)| over((own.apart(other).0, by.apart(by).1), over_time));
+                let relative = gauges
+                    .map(|((own, other), by)| over((own.l1_difference(other).0, by.l1_difference(by).1), over_time));
                 relative.reduce(f64::max)
             }
             Measure::ResidualStrain => {
                 let (own, other, by) = (self.plastic.as_ref()?, other.plastic.as_ref()?, relative_to.plastic.as_ref()?);
-                Some(over((own.apart(other).0, by.apart(by).1), FLOOR * scale.strain * scale.flowing))
+                Some(over((own.l1_difference(other).0, by.l1_difference(by).1), FLOOR * scale.strain * scale.flowing))
             }
             Measure::PeakForce => self.peaks_apart(other, relative_to, NO_PEAK * scale.force),
         })
@@ -146,13 +147,13 @@ impl Response {
     }
 
     /// Returns the sum of the differences at all instants that both responses contain, and the number of these instants.
-    fn fields_apart(&self, other: &Self) -> Option<(f64, f64)> {
+    fn field_difference(&self, other: &Self) -> Option<(f64, f64)> {
         let (mut sum, mut count) = (0.0, 0.0);
         let gap = if self.fields.len() > 1 { 0.5 * self.time() / self.fields.len() as f64 } else { f64::INFINITY };
         for (time, shape) in &self.fields {
             let nearest = other.nearest(*time)?;
             if (nearest.0 - time).abs() < gap {
-                sum += shape.apart(&nearest.1).0;
+                sum += shape.l1_difference(&nearest.1).0;
                 count += 1.0;
             }
         }
@@ -160,7 +161,7 @@ impl Response {
     }
 
     fn scale(&self) -> Scale {
-        let field: f64 = self.fields.iter().map(|(_, shape)| shape.apart(shape).1).sum();
+        let field: f64 = self.fields.iter().map(|(_, shape)| shape.l1_difference(shape).1).sum();
         let peaks = self.fields.iter().map(|(_, shape)| shape).chain(&self.ends).chain(&self.gauges);
         let stress = peaks.map(Shape::largest).fold(ROUNDING_STRAIN * self.modulus, f64::max);
         let plastic = self.plastic.as_ref().map_or(0.0, Shape::largest);

@@ -17,7 +17,7 @@ const SMOOTH: f64 = 2.0;
 const RATE: f64 = 1.0;
 
 /// Largest difference of two successive observed orders for which they are accepted; otherwise the orders are random.
-const ALIKE: f64 = 0.35;
+const ORDER_TOLERANCE: f64 = 0.35;
 
 /// Order that is assumed if no acceptable order is observed, and for grids whose bar has yielded without rate
 /// dependence. It is the order of a front, whose width on a grid grows with the cube root of the number of cells when
@@ -43,7 +43,7 @@ pub enum Rules {
 /// Difference between two runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Difference {
-    apart: f64,
+    value: f64,
     /// Ratio of the cells of the finer run to those of the coarser one, > 1.
     ratio: f64,
 }
@@ -56,9 +56,9 @@ pub struct Estimate {
     /// Order that was used.
     pub order: f64,
     /// True if the order was observed between the runs; false if it was assumed.
-    pub seen: bool,
+    pub observed: bool,
     /// Order with which finer grids can be expected to improve: the observed order, or else the largest accepted one.
-    pub hope: f64,
+    pub expected_order: f64,
 }
 
 /// Extrapolates every error from two to four runs with decreasing numbers of cells, the finest run first. Returns the
@@ -68,12 +68,12 @@ pub fn extrapolate(rules: Rules, runs: &[(usize, &Response)]) -> (ErrorTable, Es
     let Some((_, finest)) = runs.first() else { return (ErrorTable::default(), estimate(&[], SMOOTH)) };
     let apart = |pair: &[(usize, &Response)]| {
         let [(fine, near), (coarse, far)] = [pair[0], pair[1]];
-        (far.apart(near, finest), fine as f64 / coarse as f64)
+        (far.difference(near, finest), fine as f64 / coarse as f64)
     };
     let apart: Vec<(ErrorTable, f64)> = runs.windows(2).map(apart).collect();
     let mut worst: Option<Estimate> = None;
     let table = ErrorTable::of(|measure: Measure| {
-        let difference = |&(table, ratio): &(ErrorTable, f64)| Some(Difference { apart: table[measure]?, ratio });
+        let difference = |&(table, ratio): &(ErrorTable, f64)| Some(Difference { value: table[measure]?, ratio });
         let differences: Vec<Difference> = apart.iter().map(difference).collect::<Option<_>>()?;
         let found = match rules {
             Rules::Smooth => estimate(&differences, SMOOTH),
@@ -93,39 +93,46 @@ pub fn extrapolate(rules: Rules, runs: &[(usize, &Response)]) -> (ErrorTable, Es
 fn estimate(differences: &[Difference], highest: f64) -> Estimate {
     let orders: Vec<f64> = differences.windows(2).map(|pair| order(pair[0], pair[1])).collect();
     match orders[..] {
-        _ if largest(differences, highest) == 0.0 => Estimate { value: 0.0, order: highest, seen: true, hope: highest },
-        [order, before, ..] if (order - before).abs() <= ALIKE && order >= LOWEST => {
+        _ if largest(differences, highest) == 0.0 => {
+            Estimate { value: 0.0, order: highest, observed: true, expected_order: highest }
+        }
+        [order, before, ..] if (order - before).abs() <= ORDER_TOLERANCE && order >= LOWEST => {
             let order = order.min(highest);
-            Estimate { value: SAFETY * remaining(differences, highest, order), order, seen: true, hope: order }
+            Estimate {
+                value: SAFETY * remaining(differences, highest, order),
+                order,
+                observed: true,
+                expected_order: order,
+            }
         }
         _ => assumed(differences, highest, highest),
     }
 }
 
 /// Estimates the error with the order of fronts.
-fn assumed(differences: &[Difference], highest: f64, hope: f64) -> Estimate {
+fn assumed(differences: &[Difference], highest: f64, expected_order: f64) -> Estimate {
     let value = SAFETY_OF_FRONTS * remaining(differences, highest, FRONTS);
-    Estimate { value, order: FRONTS, seen: false, hope }
+    Estimate { value, order: FRONTS, observed: false, expected_order }
 }
 
 /// Returns the order p for which errors C n^-p with n cells reproduce the two differences. The ratio of the coarser to
 /// the finer difference is `r^p (s^p - 1)/(r^p - 1)` for ratios of cells r (finer) and s (coarser), and increases with
 /// p. If r and s differ and no positive order fits, the result is 0.
 fn order(near: Difference, far: Difference) -> f64 {
-    let apart = far.apart / near.apart;
+    let apart = far.value / near.value;
     if near.ratio == far.ratio || !apart.is_finite() {
         return apart.log2() / near.ratio.log2();
     }
     let (mut low, mut high) = (0.0, HIGHEST);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        if 1.0 / shrinks(near.ratio, far.ratio, middle) < apart { low = middle } else { high = middle }
+        if 1.0 / difference_ratio(near.ratio, far.ratio, middle) < apart { low = middle } else { high = middle }
     }
     low
 }
 
 /// Returns the ratio of the finer difference to the coarser one for an order; `near` and `far` are their ratios of cells.
-fn shrinks(near: f64, far: f64, order: f64) -> f64 {
+fn difference_ratio(near: f64, far: f64, order: f64) -> f64 {
     let [near, far] = [near, far].map(|ratio| ratio.powf(order));
     (near - 1.0) / (near * (far - 1.0))
 }
@@ -134,8 +141,8 @@ fn shrinks(near: f64, far: f64, order: f64) -> f64 {
 /// whichever is larger: a difference can be small by chance, if both grids have the same error, but seldom twice.
 fn largest(differences: &[Difference], highest: f64) -> f64 {
     match *differences {
-        [near, far, ..] => near.apart.max(far.apart * shrinks(near.ratio, far.ratio, highest)),
-        [near] => near.apart,
+        [near, far, ..] => near.value.max(far.value * difference_ratio(near.ratio, far.ratio, highest)),
+        [near] => near.value,
         [] => 0.0,
     }
 }
@@ -167,7 +174,7 @@ mod tests {
 
     /// Differences of runs, each with half as many cells as the one before.
     fn halved(apart: &[f64]) -> Vec<Difference> {
-        apart.iter().map(|&apart| Difference { apart, ratio: 2.0 }).collect()
+        apart.iter().map(|&value| Difference { value, ratio: 2.0 }).collect()
     }
 
     #[test]
@@ -176,9 +183,9 @@ mod tests {
             for cells in [[400.0_f64, 200.0, 100.0, 50.0], [322.0, 213.0, 109.0, 15.0], [426.0, 213.0, 109.0, 15.0]] {
                 let error = |k: usize| (cells[0] / cells[k]).powf(order);
                 let difference =
-                    |k: usize| Difference { apart: error(k + 1) - error(k), ratio: cells[k] / cells[k + 1] };
+                    |k: usize| Difference { value: error(k + 1) - error(k), ratio: cells[k] / cells[k + 1] };
                 let found = estimate(&[0, 1, 2].map(difference), SMOOTH);
-                assert!((found.order - order).abs() < 1e-9 && found.seen, "{cells:?}: {found:?}");
+                assert!((found.order - order).abs() < 1e-9 && found.observed, "{cells:?}: {found:?}");
                 assert!((found.value - SAFETY).abs() < 1e-9, "{cells:?}: {found:?}");
             }
         }
@@ -191,7 +198,7 @@ mod tests {
             let step = |k: f64| 2_f64.powf(k * order);
             let differences = [1.0, 2.0, 3.0].map(|k| step(k) - step(k - 1.0));
             let found = estimate(&halved(&differences), SMOOTH);
-            assert!((found.order - order).abs() < 1e-12 && found.seen);
+            assert!((found.order - order).abs() < 1e-12 && found.observed);
             assert!((found.value - SAFETY).abs() < 1e-12);
         }
     }
@@ -202,7 +209,7 @@ mod tests {
         // A single order, two different orders, and two orders that are too low: the order of fronts is used.
         for differences in [&[1.0, 4.0][..], &[1.0, 4.0, 6.0], &[1.0, 1.1, 1.2]] {
             let found = estimate(&halved(differences), SMOOTH);
-            assert!(!found.seen && found.order == FRONTS, "{found:?}");
+            assert!(!found.observed && found.order == FRONTS, "{found:?}");
         }
         assert_eq!(estimate(&halved(&[1.0, 6.0, 36.0]), SMOOTH).order, SMOOTH);
         assert_eq!(estimate(&halved(&[1.0, 6.0, 36.0]), RATE).order, RATE);
@@ -229,7 +236,8 @@ mod tests {
                 shape(stress)
             };
             let [fine, half, quarter, eighth] = [256, 128, 64, 32].map(profile);
-            let differences = [half.apart(&fine).0, quarter.apart(&half).0, eighth.apart(&quarter).0];
+            let differences =
+                [half.l1_difference(&fine).0, quarter.l1_difference(&half).0, eighth.l1_difference(&quarter).0];
             // At the centre of a cell the mean differs by at most an eighth of the cell size, over one cell.
             let most = 0.125 / 256.0_f64.powi(2);
             let found = estimate(&halved(&differences), SMOOTH);
@@ -245,7 +253,7 @@ mod tests {
             let h = 1.0 / cells as f64;
             shape((0..cells).map(|k| ((k as f64 + 0.5) * h).powi(2) + h * h / 12.0).collect())
         };
-        let apart = |cells: usize| profile(cells / 2).apart(&profile(cells)).0;
+        let apart = |cells: usize| profile(cells / 2).l1_difference(&profile(cells)).0;
         let found = estimate(&halved(&[256, 128, 64].map(apart)), SMOOTH);
         // The cells at the ends have no curvature.
         let truth = 1.0 / 12.0 / 256.0_f64.powi(2);

@@ -104,7 +104,7 @@ impl Shape {
     /// Returns the integrals of |difference| and of the reference's magnitude. Points are read at their positions (the
     /// second of two points at one position after the jump) and cells at their centres, each weighted with the interval
     /// that it represents. Two piecewise constant shapes are integrated exactly.
-    pub fn apart(&self, reference: &Self) -> (f64, f64) {
+    pub fn l1_difference(&self, reference: &Self) -> (f64, f64) {
         let sum = |parts: &mut dyn Iterator<Item = (f64, f64, Side)>| {
             parts.fold((0.0, 0.0), |(apart, total), (width, x, side)| {
                 let expected = reference.at(x, side);
@@ -211,7 +211,7 @@ mod tests {
 
     /// Returns the relative L1 distance; `None` if the reference is zero everywhere.
     fn distance(shape: &Shape, reference: &Shape) -> Option<f64> {
-        let (apart, total) = shape.apart(reference);
+        let (apart, total) = shape.l1_difference(reference);
         (total > 0.0).then(|| apart / total)
     }
 
@@ -257,12 +257,12 @@ mod tests {
             Shape::Points(before.chain([(arrival, 0.0)]).chain(behind).collect())
         };
         for arrival in [1.0 - 2e-16, 1.0, 1.0 + 2e-16] {
-            let apart = history(10, 1.0).apart(&history(40, arrival)).0;
+            let apart = history(10, 1.0).l1_difference(&history(40, arrival)).0;
             assert!(apart < 1e-14, "{arrival} {apart}");
-            let apart = history(10, 1.0).apart(&steps(&[arrival], &[0.0, 5.0])).0;
+            let apart = history(10, 1.0).l1_difference(&steps(&[arrival], &[0.0, 5.0])).0;
             assert!((apart - 0.55).abs() < 1e-14, "{arrival} {apart}");
         }
-        assert!(history(10, 1.0).apart(&history(40, 1.05)).0 > 0.2);
+        assert!(history(10, 1.0).l1_difference(&history(40, 1.05)).0 > 0.2);
     }
 
     #[test]
@@ -280,9 +280,9 @@ mod tests {
     fn a_front_between_cells_of_both_grids_makes_no_difference() {
         let front =
             |count: usize| cells(&(0..count).map(|k| if 2 * k < count { 7.0 } else { 0.0 }).collect::<Vec<_>>());
-        let (apart, total) = front(20).apart(&front(40));
+        let (apart, total) = front(20).l1_difference(&front(40));
         assert!(apart == 0.0 && (total - 3.5).abs() < 1e-12, "{apart} {total}");
         // The middle cell of five lies on the front.
-        assert!(front(5).apart(&front(40)).0 > 0.0);
+        assert!(front(5).l1_difference(&front(40)).0 > 0.0);
     }
 }

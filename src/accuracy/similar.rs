@@ -1,7 +1,7 @@
 //! Response of a bar with a single fan: the self-similar solution.
 
 use super::joint_forces::JointForces;
-use super::listen::{empty, peak_of};
+use super::recorders::{empty, peak_of};
 use super::response::Response;
 use super::shape::Shape;
 use crate::bar::{Bar, InitialFan};

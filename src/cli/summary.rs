@@ -69,7 +69,7 @@ fn add_ends(lines: &mut Lines, s: &Summary, units: System) {
 
 /// Adds forces, contact, gauges and residual deformation, one line per group.
 fn add_figures(lines: &mut Lines, figures: &Figures, units: System) {
-    for group in figures.0.iter().filter(|group| group.tells) {
+    for group in figures.0.iter().filter(|group| group.in_summary) {
         let shown = group.figures.iter().filter(|figure| !figure.phrase.is_empty());
         let parts = shown.enumerate().flat_map(|(k, figure)| {
             let same_fact = figure.phrase.starts_with("at");

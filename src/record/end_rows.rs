@@ -12,13 +12,13 @@ use crate::bar::SuddenLoad;
 use crate::solver::{EndSample, EndState};
 
 /// Ratio of a change between two steps to the adjacent changes above which it is a jump. Over smooth data the ratio is about 1.
-const STEEPER: f64 = 3.0;
+const JUMP_RATIO: f64 = 3.0;
 
 /// Change, relative to the largest value, up to which a jump is attributed to rounding.
 const ROUNDING: f64 = 1e-6;
 
 /// Largest relative variation of the change from one step to the next for which a curvature is used; above it the data oscillate.
-const BENDS: f64 = 0.5;
+const MAX_CURVATURE_RATIO: f64 = 0.5;
 
 /// Number of samples before and after a sample that are needed to write its row.
 const BEHIND: usize = 2;
@@ -52,7 +52,7 @@ impl EndRows {
     /// Adds samples, each one step after the previous one.
     pub fn add(&mut self, samples: impl Iterator<Item = (f64, EndSample)>) {
         let sudden = &self.sudden;
-        self.samples.extend(samples.map(|(time, sample)| (time, shown(sudden, time, sample))));
+        self.samples.extend(samples.map(|(time, sample)| (time, with_sudden_load(sudden, time, sample))));
         self.write(AHEAD);
     }
 
@@ -125,7 +125,7 @@ impl EndRows {
 }
 
 /// Returns a sample as the history shows it: with the exact state during a sudden load.
-fn shown(sudden: &[SuddenLoad], time: f64, sample: EndSample) -> EndSample {
+fn with_sudden_load(sudden: &[SuddenLoad], time: f64, sample: EndSample) -> EndSample {
     let EndState { stress, velocity } = if sample.now.stress.is_nan() { sample.latest } else { sample.now };
     // The latest load that has started replaces those before it.
     match sudden.iter().rev().find_map(|load| load.end(time, [stress, velocity])) {
@@ -139,7 +139,7 @@ fn sides(before: [f64; 3], after: [f64; 3], rounding: f64) -> Option<[f64; 2]> {
     let jump = (after[0] - before[0]).abs();
     let changes = [before, after].map(|means| means[1] - means[0]);
     let beside = changes.into_iter().filter(|change| !change.is_nan()).map(f64::abs).reduce(f64::max)?;
-    (jump > STEEPER * beside && jump > rounding).then(|| [edge(before), edge(after)])
+    (jump > JUMP_RATIO * beside && jump > rounding).then(|| [edge(before), edge(after)])
 }
 
 /// Returns the value at the beginning of the first of three steps, from the means over them.
@@ -149,7 +149,7 @@ fn edge(means: [f64; 3]) -> f64 {
         return means[0];
     }
     let bend = second - first;
-    means[0] - 0.5 * first + if bend.abs() <= BENDS * first.abs() { bend / 3.0 } else { 0.0 }
+    means[0] - 0.5 * first + if bend.abs() <= MAX_CURVATURE_RATIO * first.abs() { bend / 3.0 } else { 0.0 }
 }
 
 #[cfg(test)]

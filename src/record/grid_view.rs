@@ -167,8 +167,8 @@ macro_rules! stepped {
                 self.stayed_elastic()
             }
 
-            fn passed(&self) -> FirstPassed {
-                self.passed()
+            fn limits_reached(&self) -> FirstPassed {
+                self.limits_reached()
             }
 
             fn not_finite(&self) -> Option<usize> {

@@ -5,7 +5,7 @@ use crate::bar::Bar;
 use crate::solver::fd::Grid;
 
 /// Histories of joints, read in the cells to their left and right. The force of the joint is the smaller of the two
-/// forces, and 0 if they have opposite signs. A wave that has reached one of the cells has not yet passed the joint,
+/// forces, and 0 if they have opposite signs. A wave that has reached one of the cells has not yet transmitted_stress the joint,
 /// and where one of the cells yields, the other first responds as if it did not: between a soft and a hard bar the mean
 /// of both was 17.0 kN instead of 8.7 kN, at any resolution.
 #[derive(Debug)]
@@ -35,7 +35,7 @@ impl JointRows {
         for sections in &self.sections {
             let (Some(mut left), Some(right)) = (beside.next(), beside.next()) else { return };
             for (stress, right) in left.stress.iter_mut().zip(right.stress) {
-                *stress = passed(*stress, sections * right);
+                *stress = transmitted_stress(*stress, sections * right);
             }
             histories.push(left);
         }
@@ -50,6 +50,6 @@ fn beside(bar: &Bar, grid: &Grid, k: usize) -> ([f64; 2], f64) {
 }
 
 /// Returns the stress that a joint transmits, given the stresses on its two sides: the one of smaller magnitude, or 0 if they have opposite signs.
-fn passed(a: f64, b: f64) -> f64 {
+fn transmitted_stress(a: f64, b: f64) -> f64 {
     if a * b > 0.0 { a.signum() * a.abs().min(b.abs()) } else { 0.0 }
 }

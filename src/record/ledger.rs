@@ -21,7 +21,7 @@ pub struct Ledger {
     supplied: f64,
     worst_energy: f64,
     worst_momentum: f64,
-    most_given: f64,
+    largest_energy_gain: f64,
 }
 
 impl Ledger {
@@ -36,7 +36,7 @@ impl Ledger {
             supplied: start.energy,
             worst_energy: 0.0,
             worst_momentum: 0.0,
-            most_given: 0.0,
+            largest_energy_gain: 0.0,
         }
     }
 
@@ -59,7 +59,7 @@ impl Ledger {
         let missing = relative(now.energies.momentum - self.start.momentum - impulse, self.momentum_scale);
         self.worst_energy = self.worst_energy.max(residual.abs());
         self.worst_momentum = self.worst_momentum.max(missing.abs());
-        self.most_given = self.most_given.max(-now.energies.numerical);
+        self.largest_energy_gain = self.largest_energy_gain.max(-now.energies.numerical);
         LedgerRow {
             time: bar.time(),
             energies: Energies { momentum: self.arm * now.energies.momentum, ..now.energies },
@@ -77,8 +77,8 @@ impl Ledger {
 
     /// Returns the largest energy that the method itself has added to the bar so far, relative to the largest supplied
     /// energy up to now: while a load starts, both are small. 0 if the method has only dissipated energy.
-    pub fn most_given(&self) -> f64 {
-        relative(self.most_given, self.supplied)
+    pub fn largest_energy_gain(&self) -> f64 {
+        relative(self.largest_energy_gain, self.supplied)
     }
 
     /// Returns the largest relative momentum residual so far.
@@ -141,14 +141,14 @@ mod tests {
         let mut bar = Bar(Energies { kinetic: 1.0, ..Energies::default() }, 0.0);
         let mut ledger = Ledger::new(&bar);
         ledger.row(&bar);
-        assert_eq!(ledger.most_given(), 0.0);
+        assert_eq!(ledger.largest_energy_gain(), 0.0);
         bar.0 = Energies { elastic: 90.0, half_step: -84.0, numerical: -5.0, ..Energies::default() };
         assert_eq!(ledger.row(&bar).residual, 0.0);
-        assert_eq!(ledger.most_given(), 5.0);
+        assert_eq!(ledger.largest_energy_gain(), 5.0);
         // The energy added at the start is small compared with the energy supplied by the end.
         bar.0 = Energies { elastic: 96.0, half_step: -92.0, ..Energies::default() };
         bar.1 = 500.0;
         ledger.row(&bar);
-        assert_eq!(ledger.most_given(), 0.01);
+        assert_eq!(ledger.largest_energy_gain(), 0.01);
     }
 }

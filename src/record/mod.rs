@@ -29,7 +29,7 @@ pub use crate::solver::EndState;
 use crate::solver::Energies;
 
 pub use audit::{
-    Audit, Case, LOOKS, Off, above_critical, at_limit, broken_end, broken_inside, late_fracture, past_data,
+    AUDIT_SAMPLES, Audit, Case, Off, above_critical, at_limit, broken_end, broken_inside, late_fracture, past_data,
     reversed_flow, short_tension, unresolved_flow,
 };
 pub use checks::{ElasticProbe, against_similarity, alone, similar_stress};

@@ -61,7 +61,7 @@ pub trait Stepped: View<Places = Sampling> {
     fn stayed_elastic(&self) -> bool;
 
     /// Returns the first cells that have reached a limit of the data of their material so far.
-    fn passed(&self) -> FirstPassed;
+    fn limits_reached(&self) -> FirstPassed;
 
     /// Returns the largest tension that met the fracture criterion over too few cells to fracture the bar.
     fn unresolved_tension(&self) -> Option<Unresolved> {

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Progress;
 use crate::accuracy::{
-    Course, INSTANTS, Response, Rules, SAFETY, SAFETY_OF_FRONTS, evenly, extrapolate, respond, similar_response,
+    INSTANTS, Response, ResponseRequest, Rules, SAFETY, SAFETY_OF_FRONTS, evenly, extrapolate, respond,
+    similar_response,
 };
 use crate::assemble;
 use crate::bar::InitialFan;
@@ -101,8 +102,8 @@ impl assemble::Task for Task<'_> {
         let cells = bar.grid().cells();
         let (gauges, joints) = (self.scene.record.gauge_places(), self.scene.joints());
         let (instants, work) = (self.instants, WORK_BETWEEN_CALLS);
-        let course = Course { instants, gauges: &gauges, joints: &joints, until: 0.0, work };
-        let found = respond(&self.scene.bar, &mut bar, course, |bar, steps| {
+        let request = ResponseRequest { instants, gauges: &gauges, joints: &joints, until: 0.0, work };
+        let found = respond(&self.scene.bar, &mut bar, request, |bar, steps| {
             let flow = (self.progress)(Progress::Steps { step: bar.step(), steps, cells });
             if flow.is_break() { Err(()) } else { Ok(()) }
         });
@@ -178,7 +179,7 @@ pub(super) fn error_figure(
     let others = coarser.iter().map(|run| (run.cells, &run.response));
     let all: Vec<(usize, &Response)> = std::iter::once((grids[0].1, fine)).chain(others).collect();
     let (table, found) = extrapolate(rules(scene, method, elastic), &all);
-    let (how, safety) = if found.seen { ("seen between them", SAFETY) } else { ("of fronts", SAFETY_OF_FRONTS) };
+    let (how, safety) = if found.observed { ("seen between them", SAFETY) } else { ("of fronts", SAFETY_OF_FRONTS) };
     let cells: Vec<String> = coarser.iter().map(|run| run.cells.to_string()).collect();
     let cells = match &cells[..] {
         [others @ .., last] if !others.is_empty() => format!("{} and {last}", others.join(", ")),

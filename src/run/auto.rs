@@ -83,7 +83,7 @@ pub(super) fn run(
         None => (choose(scene, progress)?, 1),
     };
     loop {
-        let next = target.anew();
+        let next = target.for_repeat();
         target.chosen.effects = Some((round, choices(&scene).to_vec()));
         let summary = accurate(&scene, target, progress)?;
         let (decided, again) = decide(&scene, &summary.audit, round, progress)?;

@@ -14,13 +14,13 @@ const AT_THE_END: f64 = 1.0 - 1e-12;
 
 /// Detector, which reads the front segments, since they contain every state of the bar, and the bar itself.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub(super) struct Breaks {
+pub(super) struct FailureDetector {
     /// First point inside the bar where strain gathers: segment and stress (Pa), time since which it gathers (s), and position (m).
-    gathers: Option<((usize, f64), f64, f64)>,
+    localization: Option<((usize, f64), f64, f64)>,
     yielded: bool,
 }
 
-impl Breaks {
+impl FailureDetector {
     /// Records whether anything has yielded.
     pub fn look_at(&mut self, bar: &FrontTracking, front_segments: &[FrontSegment]) {
         self.yielded |= front_segments.iter().any(|t| t.behind.plastic.abs() > bar.medium(t.segment).round_off);
@@ -28,15 +28,15 @@ impl Breaks {
 
     /// Records the first point where the stress is the largest one of its curve and the two sides continue to separate or approach. Strain gathers
     /// there without bound, so the bar fails.
-    pub fn look_for_gathering_strain(&mut self, scene: &Scene, bar: &FrontTracking) {
-        if self.gathers.is_some() {
+    pub fn detect_localization(&mut self, scene: &Scene, bar: &FrontTracking) {
+        if self.localization.is_some() {
             return;
         }
         let full = |(segment, stress): &(usize, f64)| {
             let curve = scene.bar.segments[*segment].material.branch(Sense::of(*stress));
             curve.ultimate().is_some_and(|u| stress.abs() >= AT_THE_END * u.stress)
         };
-        self.gathers = bar.openings().find_map(|opening| {
+        self.localization = bar.openings().find_map(|opening| {
             let full = opening.sides.into_iter().find(full)?;
             Some((full, opening.since, opening.x))
         });
@@ -49,7 +49,7 @@ impl Breaks {
 
     /// Returns whether the bar has failed anywhere.
     pub fn ruptured(&self, scene: &Scene, bar: &FrontTracking) -> bool {
-        at_limits(bar).any(|limit| limit.broken(scene).is_some()) || self.gathers.is_some() || end_broke(bar)
+        at_limits(bar).any(|limit| limit.broken(scene).is_some()) || self.localization.is_some() || end_broke(bar)
     }
 
     /// Returns the notes for the audit. If the theory predicted failure at t = 0 (`told`), that of the ends at t = 0 is left out.
@@ -61,7 +61,7 @@ impl Breaks {
                 rows.push(record::broken_end(name, from.time, &segments[segment].material, Sense::of(from.stress)));
             }
         }
-        if let Some(((segment, stress), time, x)) = self.gathers {
+        if let Some(((segment, stress), time, x)) = self.localization {
             rows.push(record::broken_inside(time, x, &segments[segment].material, Sense::of(stress)));
         }
         rows.extend(at_limits(bar).filter_map(|limit| limit.broken(scene)));
@@ -70,7 +70,7 @@ impl Breaks {
 }
 
 fn at_limits(bar: &FrontTracking) -> impl Iterator<Item = AtLimit> {
-    bar.passed().iter().map(AtLimit::from)
+    bar.limits_reached().iter().map(AtLimit::from)
 }
 
 fn end_broke(bar: &FrontTracking) -> bool {

@@ -2,7 +2,7 @@
 //! within the event limit.
 
 use super::{Progress, accuracy};
-use crate::accuracy::{Companions, Course, Ended, INSTANTS, Response, SAFETY_OF_TRACKING, respond};
+use crate::accuracy::{Companions, Ended, INSTANTS, Response, ResponseRequest, SAFETY_OF_TRACKING, respond};
 use crate::assemble;
 use crate::error::{Error, Result};
 use crate::record::{ErrorFigure, ErrorTable};
@@ -48,15 +48,15 @@ pub(super) fn tracked(
     let (gauges, joints) = (scene.record.gauge_places(), scene.joints());
     let front_segments = !gauges.is_empty() || !joints.is_empty();
     let mut bar = assemble::front_tracking(scene, Settings { front_segments, ..settings });
-    let course = Course { instants, gauges: &gauges, joints: &joints, until: 0.0, work: BURST };
-    let found = respond(&scene.bar, &mut bar, course, |bar, until| {
+    let request = ResponseRequest { instants, gauges: &gauges, joints: &joints, until: 0.0, work: BURST };
+    let found = respond(&scene.bar, &mut bar, request, |bar, until| {
         let at = Progress::Fronts { time: bar.time(), until, events: bar.events(), fronts: bar.front_count() };
         if progress(at).is_break() { Err(Error::Interrupted) } else { Ok(()) }
     });
     match found {
         Ok((response, _)) => Ok(Some((bar, response))),
         Err(Ended::Stopped(_)) => Ok(None),
-        Err(Ended::Asked(interrupted)) => Err(interrupted),
+        Err(Ended::Caller(interrupted)) => Err(interrupted),
     }
 }
 

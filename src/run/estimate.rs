@@ -1,10 +1,10 @@
 //! Estimates the influence of the neglected effects of a scene before the run, by the audit of a run on a coarse grid, which takes some milliseconds.
 
 use super::limits::limits;
-use super::{Progress, case, struck_too_hard};
+use super::{Progress, above_critical_rows, case};
 use crate::assemble;
 use crate::bar::initial_fans;
-use crate::record::{Audit, AuditRow, LOOKS, Traces, View};
+use crate::record::{AUDIT_SAMPLES, Audit, AuditRow, Traces, View};
 use crate::scene::{Method, Scene};
 use crate::simulate::{Interval, Simulation, simulate};
 use crate::solver::fd::{Leapfrog, Sampling};
@@ -36,7 +36,7 @@ pub fn estimate(scene: &Scene, progress: &mut dyn FnMut(Progress) -> ControlFlow
     let parted = !View::ruptures(&bar).is_empty();
     let [left, right] = scene.ends_in_run();
     let all = initial_fans(&scene.bar, &left, &right);
-    let mut broken = struck_too_hard(scene, &all, parted);
+    let mut broken = above_critical_rows(scene, &all, parted);
     if !parted {
         broken.extend(limits(&bar).iter().filter_map(|limit| limit.broken(scene)));
     }
@@ -62,7 +62,7 @@ impl Simulation for Estimate<'_> {
     type Error = Early;
 
     fn next(&self) -> Option<usize> {
-        let every = (self.steps / LOOKS).max(1);
+        let every = (self.steps / AUDIT_SAMPLES).max(1);
         (self.bar.step() < self.steps).then(|| (self.bar.step() + every).min(self.steps))
     }
 
@@ -75,7 +75,7 @@ impl Simulation for Estimate<'_> {
             return Err(Early);
         }
         if !self.bar.stayed_elastic() {
-            self.audit.look(&self.bar, &self.watched);
+            self.audit.sample(&self.bar, &self.watched);
         }
         let (step, steps, cells) = (self.bar.step(), self.steps, self.bar.grid().cells());
         match (self.progress)(Progress::Steps { step, steps, cells }) {

@@ -9,7 +9,7 @@ const EVEN: f64 = 1e-9;
 
 /// Returns the geometry of the original bar, with the cells around the samples `x` (m, increasing).
 pub(super) fn geometry(scene: &Scene, x: &[f64]) -> Geometry {
-    let bar = &super::asked(scene).bar;
+    let bar = &super::original_scene(scene).bar;
     let has_area = bar.area_given && scene.torsion.is_none();
     let factors = match &scene.torsion {
         Some(torsion) => {

@@ -76,5 +76,5 @@ pub(crate) fn check_start(scene: &Scene) -> Result<()> {
 /// Returns the points at which a bar on a grid reached a limit, in order of time.
 pub(super) fn limits(bar: &impl Stepped) -> Vec<AtLimit> {
     let (centres, dt) = (bar.grid().centres(), bar.grid().dt);
-    bar.passed().in_order().map(|passed| AtLimit::on_grid(&passed, &centres, dt)).collect()
+    bar.limits_reached().in_order().map(|passed| AtLimit::on_grid(&passed, &centres, dt)).collect()
 }

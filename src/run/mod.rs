@@ -214,7 +214,7 @@ fn accurate(
     if scene.solve.tolerance.is_some() {
         choice::run(scene, target, progress)
     } else {
-        on_target(scene, &target, progress)
+        run_method(scene, &target, progress)
     }
 }
 
@@ -242,14 +242,14 @@ impl Target<'_> {
     }
 
     /// Returns the target of a repeated run, with the selected effects of this one, without its checkpoint and method.
-    fn anew(&self) -> Self {
+    fn for_repeat(&self) -> Self {
         let chosen = Chosen { effects: self.chosen.effects.clone(), attempt: None };
         Self { checkpoint: None, chosen, ..*self }
     }
 }
 
 /// Performs one run by the scene's method.
-fn on_target(
+fn run_method(
     scene: &Scene,
     target: &Target<'_>,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
@@ -281,14 +281,14 @@ impl assemble::Task for Task<'_> {
 }
 
 /// Returns the notes on impacts above the critical velocity; none with rate dependence, or if the bar fractured (`parted`).
-fn struck_too_hard(scene: &Scene, initial_fans: &[InitialFan], parted: bool) -> Vec<AuditRow> {
+fn above_critical_rows(scene: &Scene, initial_fans: &[InitialFan], parted: bool) -> Vec<AuditRow> {
     if scene.effects.rate.is_some() || parted {
         return Vec::new();
     }
     let critical = scene.critical_velocity().unwrap_or(f64::NAN);
     let row = |initial_fan: &InitialFan| {
-        let asked = InitialFan { origin: scene.original_origin(initial_fan.origin), ..initial_fan.clone() };
-        above_critical(&asked, &scene.bar.segments[initial_fan.segment].material, critical)
+        let original = InitialFan { origin: scene.original_origin(initial_fan.origin), ..initial_fan.clone() };
+        above_critical(&original, &scene.bar.segments[initial_fan.segment].material, critical)
     };
     initial_fans.iter().filter_map(row).collect()
 }
@@ -304,9 +304,9 @@ fn flow_both_ways(scene: &Scene, segment: &Segment, places: impl Iterator<Item =
 /// Returns the data that a scene's audit needs. `cells` is the number of cells of the grid, if there is one.
 fn case(scene: &Scene, cells: Option<usize>) -> Case<'_> {
     let effects = &scene.effects;
-    let asked = asked(scene);
+    let original = original_scene(scene);
     Case {
-        bar: &asked.bar,
+        bar: &original.bar,
         ends: [&scene.left, &scene.right],
         until: scene.solve.until,
         tolerance: scene.solve.audit_tolerance,
@@ -401,7 +401,7 @@ impl<'a> RunRecorder<'a> {
         let checkpoints = Checkpoints::of(target, scene);
         let law = |segment: &Segment| Overstress::of(scene.effects.rate?, &segment.material);
         let relaxes = scene.bar.segments.iter().filter_map(law).any(Overstress::relaxes_at_once);
-        let tally = Tally::new(&asked(scene).bar, scene.record.gauges.len(), relaxes);
+        let tally = Tally::new(&original_scene(scene).bar, scene.record.gauges.len(), relaxes);
         let kept = target.kept;
         Ok(Self { scene, initial_fans, critical, writer, kept, output, started, tally, stepping: 0.0, checkpoints })
     }
@@ -422,7 +422,7 @@ impl<'a> RunRecorder<'a> {
     /// written.
     fn write_traces(&mut self, gauges: Vec<Trace>, ends: [Trace; 2], ruptures: &[Rupture]) -> Result<()> {
         let breaks = self.breaks(ruptures);
-        self.tally.hear(&gauges, &ends, &breaks);
+        self.tally.add_rows(&gauges, &ends, &breaks);
         let (writer, [left, right]) = (&mut self.writer, ends);
         for (k, trace) in
             gauges.into_iter().take(self.tally.gauges()).enumerate().filter(|(_, trace)| !trace.time.is_empty())
@@ -457,7 +457,7 @@ impl<'a> RunRecorder<'a> {
 
     /// Returns the notes on impacts above the critical velocity; none if the bar fractured (`parted`).
     fn audit(&self, parted: bool) -> Vec<AuditRow> {
-        struck_too_hard(self.scene, &self.initial_fans, parted)
+        above_critical_rows(self.scene, &self.initial_fans, parted)
     }
 
     /// Replaces the origins of fronts by those of the original scene.
@@ -606,17 +606,17 @@ fn lengths(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<LengthSummary> {
         at_end: segment.length + end.elongation,
         unloaded: segment.length + end.plastic_elongation,
     };
-    asked(scene).bar.segments.iter().zip(&ends).map(of).collect()
+    original_scene(scene).bar.segments.iter().zip(&ends).map(of).collect()
 }
 
 /// Returns the original scene, before its tapers and initial states were discretized.
-fn asked(scene: &Scene) -> &Scene {
+fn original_scene(scene: &Scene) -> &Scene {
     scene.discretized.as_ref().map_or(scene, |cut| &cut.original)
 }
 
 /// Returns the results of the segments of the original scene, as sums over their pieces.
 fn original_segments(scene: &Scene, simulated: &[SegmentEnd]) -> Vec<SegmentEnd> {
-    let mut ends = vec![SegmentEnd::default(); asked(scene).bar.segments.len()];
+    let mut ends = vec![SegmentEnd::default(); original_scene(scene).bar.segments.len()];
     for (k, end) in simulated.iter().enumerate() {
         ends[scene.original_segment(k)].add(end);
     }
@@ -639,7 +639,7 @@ fn history_places(scene: &Scene) -> Vec<f64> {
 
 /// Returns the positions of the joints of the original scene, m.
 fn joint_places(scene: &Scene) -> impl Iterator<Item = f64> {
-    let segments = &asked(scene).bar.segments;
+    let segments = &original_scene(scene).bar.segments;
     let ends = segments.iter().scan(0.0, |end, segment| {
         *end += segment.length;
         Some(*end)
@@ -663,7 +663,7 @@ fn breaks(segments: &[Segment], ruptures: Option<&[Rupture]>, k: usize) -> Extre
 
 /// Returns the figures of a run.
 fn figures(scene: &Scene, tally: &Tally, results: &RunResults) -> Figures {
-    let scene = (scene, asked(scene));
+    let scene = (scene, original_scene(scene));
     let segments = &scene.1.bar.segments;
     let residual_profile = results.residual_profile.means();
     Records {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::accuracy;
 use super::limits::AtLimit;
 use super::{Progress, RunRecorder, RunResults, Task, flow_both_ways, twisted};
-use crate::accuracy::GridListener;
+use crate::accuracy::GridRecorder;
 use crate::assemble;
 use crate::bar::Segment;
 use crate::error::{Error, Result, RunError};
@@ -85,7 +85,7 @@ struct Run<'a, S> {
     centres: Vec<f64>,
     elastic_check: Option<Probe>,
     /// Recorder for the error estimate, if requested.
-    listener: Option<GridListener>,
+    response_recorder: Option<GridRecorder>,
     /// Time of the last call of the progress function.
     latest_call: Instant,
     /// Whether the run was resumed from a checkpoint.
@@ -150,9 +150,9 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let traces = Traces::new(Sampling::at(bar.grid(), places), scene.effects.heat.is_some(), sudden.ends);
         bar.watch(&traces);
         let steps = bar.grid().steps_to(scene.solve.until);
-        let listener = scene.solve.estimate_error.then(|| {
+        let response_recorder = scene.solve.estimate_error.then(|| {
             let instants = accuracy::common_instants(steps, bar.grid().dt);
-            GridListener::new(&scene.bar, &bar, &instants, scene.record.gauges.len(), &scene.joints())
+            GridRecorder::new(&scene.bar, &bar, &instants, scene.record.gauges.len(), &scene.joints())
         });
         Ok(Self {
             progress,
@@ -169,7 +169,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             limits: Vec::new(),
             stopped_at: None,
             centres: bar.grid().centres(),
-            listener,
+            response_recorder,
             latest_call: Instant::now(),
             resumed: false,
             recorder,
@@ -219,7 +219,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let step = self.bar.step();
         let multiple_of = |every: usize| (step / every + 1) * every;
         let mut next = self.frames.next_step(step, self.bar.grid().dt).min(self.steps);
-        for looks in [FRONT_SIGHTINGS, record::LOOKS] {
+        for looks in [FRONT_SIGHTINGS, record::AUDIT_SAMPLES] {
             next = next.min(multiple_of((self.steps / looks).max(1)));
         }
         if !self.bar.stayed_elastic() {
@@ -227,21 +227,21 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         }
         next = next.min(multiple_of(self.between_pauses()));
         let probe = self.elastic_check.as_ref().map(|probe| probe.step);
-        let instant = self.listener.as_ref().and_then(|listener| listener.next(step));
+        let instant = self.response_recorder.as_ref().and_then(|response_recorder| response_recorder.next(step));
         [probe, instant].into_iter().flatten().filter(|&at| at > step).fold(next, usize::min)
     }
 
     /// Records everything except frames, after a step and once at the start.
     fn record(&mut self) -> Result<()> {
         let step = self.bar.step();
-        if let Some(listener) = &mut self.listener {
-            listener.look(&self.bar);
+        if let Some(response_recorder) = &mut self.response_recorder {
+            response_recorder.read_fields(&self.bar);
         }
         if self.traces.is_full() {
             self.write_traces()?;
         }
         let last = step == self.steps;
-        let look = last || step.is_multiple_of((self.steps / record::LOOKS).max(1));
+        let look = last || step.is_multiple_of((self.steps / record::AUDIT_SAMPLES).max(1));
         let yielded = look && !self.bar.stayed_elastic();
         if self.frames.is_due(&self.bar) || last {
             let row = self.ledger.row(&self.bar);
@@ -254,7 +254,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
             self.tracker.observe(&self.bar);
         }
         if yielded {
-            self.audit.look(&self.bar, &self.watched);
+            self.audit.sample(&self.bar, &self.watched);
         }
         if let Some(Probe { check, cell, .. }) = self.elastic_check.as_mut().filter(|p| p.step == step) {
             check.take(self.bar.value(Quantity::Stress, *cell));
@@ -265,8 +265,8 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     fn write_traces(&mut self) -> Result<()> {
         let (mut gauges, ends) = self.traces.take();
         self.joints.join(&mut gauges);
-        if let Some(listener) = &mut self.listener {
-            listener.hear(&gauges, &ends, self.bar.ruptures());
+        if let Some(response_recorder) = &mut self.response_recorder {
+            response_recorder.add_rows(&gauges, &ends, self.bar.ruptures());
         }
         self.recorder.write_traces(gauges, ends, self.bar.ruptures())
     }
@@ -274,7 +274,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     /// Stops the run at a limit of the material data, before states beyond the limit are recorded.
     fn check_limits(&mut self) -> Result<()> {
         let (scene, dt) = (self.recorder.scene, self.bar.grid().dt);
-        let due = self.bar.passed();
+        let due = self.bar.limits_reached();
         self.limits.clear();
         self.limits.extend(due.in_order().map(|passed| AtLimit::on_grid(&passed, &self.centres, dt)));
         self.stop_at(self.limits.iter().copied().find(|limit| limit.stops(scene)))
@@ -309,8 +309,8 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     ///
     /// # # Errors
     /// A [`RunError`] if it has: the result is invalid.
-    fn takes_energy(&self) -> Result<()> {
-        let given = self.ledger.most_given();
+    fn check_energy_added(&self) -> Result<()> {
+        let given = self.ledger.largest_energy_gain();
         if given <= MOST_GIVEN {
             return Ok(());
         }
@@ -333,7 +333,7 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
     /// Passes the results to the recorder, which closes the file after any outcome.
     fn finish(mut self, ended: Result<Option<ErrorFigure>>) -> Result<Summary> {
         let (ended, error) = match ended {
-            Ok(error) => (self.takes_energy(), error),
+            Ok(error) => (self.check_energy_added(), error),
             Err(why) => (Err(why), None),
         };
         self.traces.close();
@@ -379,11 +379,11 @@ impl<'a, S: Stepped + Snapshot> Run<'a, S> {
         let scene = self.recorder.scene;
         let plain = scene.effects.rate.is_none() && assemble::distributed_forces(&scene.bar, &scene.effects).is_none();
         let known = plain && self.bar.ruptures().is_empty();
-        let Some(listener) = &self.listener else {
+        let Some(response_recorder) = &self.response_recorder else {
             let similar = || record::against_similarity(&scene.bar, &self.bar, &self.recorder.initial_fans);
             return Ok(known.then(similar).flatten());
         };
-        let response = listener.response();
+        let response = response_recorder.response();
         let exact = || accuracy::similar(scene, &self.recorder.initial_fans, &response);
         match known.then(exact).flatten() {
             Some(exact) => Ok(Some(accuracy::figure(response.errors(&exact), accuracy::SIMILAR.into()))),

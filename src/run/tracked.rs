@@ -5,10 +5,10 @@ mod checkpoints;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use super::breaks::Breaks;
+use super::breaks::FailureDetector;
 use super::limits::AtLimit;
 use super::{Progress, RunRecorder, RunResults, Task, accuracy, companion, flow_both_ways, twisted};
-use crate::accuracy::FrontListener;
+use crate::accuracy::FrontRecorder;
 use crate::assemble;
 use crate::error::{Error, Result, RunError};
 use crate::record::{
@@ -77,7 +77,7 @@ struct Run<'a> {
     gauges: StepGauges,
     ends: EndHistories,
     /// Recorder for the error estimate.
-    listener: FrontListener,
+    response_recorder: FrontRecorder,
     fronts: TrackedFronts,
     paths: Paths,
     ledger: Ledger,
@@ -89,14 +89,14 @@ struct Run<'a> {
     watched: Vec<f64>,
     yielded: bool,
     elastic_check: Option<ElasticProbe>,
-    breaks: Breaks,
+    breaks: FailureDetector,
 }
 
 /// Purpose of a pause between two events.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pause {
     Frame,
-    AuditLook,
+    AuditSample,
     ElasticCheck,
     /// Instant of the error estimate.
     Instant,
@@ -120,7 +120,7 @@ impl Simulation for Run<'_> {
         self.collect()?;
         let pause = self.pauses.last().map_or(Pause::End, |pause| pause.1);
         // The arrival at these pauses is not reported as progress.
-        let news = !matches!(pause, Pause::AuditLook | Pause::Instant) || interval.arrived != Ok(true);
+        let news = !matches!(pause, Pause::AuditSample | Pause::Instant) || interval.arrived != Ok(true);
         match interval.arrived {
             Ok(true) => self.arrive()?,
             Ok(false) => {}
@@ -153,7 +153,7 @@ impl<'a> Run<'a> {
             pauses: pauses(scene, elastic_check.as_ref(), audit.is_some()),
             gauges: StepGauges::new(&scene.bar, &places, scene.solve.until),
             ends: EndHistories::default(),
-            listener: FrontListener::new(&scene.bar, scene.record.gauges.len(), &scene.joints()),
+            response_recorder: FrontRecorder::new(&scene.bar, scene.record.gauges.len(), &scene.joints()),
             fronts: TrackedFronts::default(),
             paths: Paths::default(),
             ledger: recorder.ledger(&bar),
@@ -162,7 +162,7 @@ impl<'a> Run<'a> {
             yielded: false,
             twisted: twisted(scene, &x),
             elastic_check,
-            breaks: Breaks::default(),
+            breaks: FailureDetector::default(),
             recorder,
             bar,
             settings,
@@ -174,9 +174,9 @@ impl<'a> Run<'a> {
     fn arrive(&mut self) -> Result<()> {
         match self.pauses.pop() {
             Some((time, Pause::Frame)) => self.frame(time)?,
-            Some((_, Pause::AuditLook)) => self.look_for_yield(),
+            Some((_, Pause::AuditSample)) => self.look_for_yield(),
             Some((_, Pause::ElasticCheck)) => self.check_elastic(),
-            Some((_, Pause::Instant)) => self.listener.look(&self.bar),
+            Some((_, Pause::Instant)) => self.response_recorder.read_fields(&self.bar),
             Some((_, Pause::End)) => self.write_ledger()?,
             None => {}
         }
@@ -202,7 +202,7 @@ impl<'a> Run<'a> {
     fn frame(&mut self, time: f64) -> Result<()> {
         self.write_traces()?;
         self.write_ledger()?;
-        self.breaks.look_for_gathering_strain(self.recorder.scene, &self.bar);
+        self.breaks.detect_localization(self.recorder.scene, &self.bar);
         if self.recorder.writer.takes_frames() {
             let (fields, twisted) = (&self.recorder.scene.record.fields, self.twisted.as_ref());
             let frame = record::read_frame(&self.bar, fields, &self.x, self.x.len(), twisted);
@@ -213,7 +213,7 @@ impl<'a> Run<'a> {
 
     fn write_traces(&mut self) -> Result<()> {
         let mut gauges = self.gauges.take();
-        self.listener.hear(&gauges, self.bar.ruptures());
+        self.response_recorder.add_rows(&gauges, self.bar.ruptures());
         to_the_left_of_joints(self.recorder.scene, &mut gauges);
         let ends = self.ends.take(&self.bar);
         self.recorder.write_traces(gauges, ends, self.bar.ruptures())
@@ -229,7 +229,7 @@ impl<'a> Run<'a> {
         let flowed = |p: Piece<'_>| p.point.plastic != 0.0 || p.point.accumulated != 0.0;
         self.yielded = self.yielded || self.bar.pieces().any(flowed);
         if let Some(audit) = self.audit.as_mut().filter(|_| self.yielded) {
-            audit.look(&self.bar, self.watched.as_slice());
+            audit.sample(&self.bar, self.watched.as_slice());
         }
     }
 
@@ -291,7 +291,7 @@ impl<'a> Run<'a> {
             Ok(error) => (self.ledger_closes(), error),
             Err(why) => (Err(why), None),
         };
-        self.breaks.look_for_gathering_strain(self.recorder.scene, &self.bar);
+        self.breaks.detect_localization(self.recorder.scene, &self.bar);
         let last = self.bar.take_front_segments();
         let living: Vec<FrontSegment> = self.bar.living_front_segments().collect();
         self.breaks.look_at(&self.bar, &living);
@@ -362,7 +362,7 @@ impl<'a> Run<'a> {
     /// Returns the error estimate of the run; `None` if it is unknown.
     fn error_figure(&mut self) -> Result<Option<ErrorFigure>> {
         self.write_traces()?;
-        let response = self.listener.clone().response(&self.bar);
+        let response = self.response_recorder.clone().response(&self.bar);
         let similar = || accuracy::similar(self.recorder.scene, &self.recorder.initial_fans, &response);
         match self.bar.ruptures().is_empty().then(similar).flatten() {
             Some(exact) => Ok(Some(accuracy::figure(response.errors(&exact), accuracy::SIMILAR.into()))),
@@ -472,8 +472,8 @@ impl<'a> Run<'a> {
 fn pauses(scene: &Scene, elastic_check: Option<&ElasticProbe>, audited: bool) -> Vec<(f64, Pause)> {
     let until = scene.solve.until;
     let mut pauses: Vec<(f64, Pause)> = scene.record.times.iter().map(|&time| (time, Pause::Frame)).collect();
-    let look = |k: usize| (until * k as f64 / record::LOOKS as f64, Pause::AuditLook);
-    pauses.extend((1..=record::LOOKS).filter(|_| audited).map(look));
+    let look = |k: usize| (until * k as f64 / record::AUDIT_SAMPLES as f64, Pause::AuditSample);
+    pauses.extend((1..=record::AUDIT_SAMPLES).filter(|_| audited).map(look));
     pauses.extend(companion::instants(until).into_iter().map(|time| (time, Pause::Instant)));
     pauses.extend(elastic_check.map(|probe| (probe.time(), Pause::ElasticCheck)));
     if scene.record.times.last() != Some(&until) {

@@ -16,7 +16,7 @@ use std::time::Instant;
 const LIMIT: f64 = 0.2;
 
 /// Number of clock readings during a run on a grid; a full run makes about as many between its steps.
-const LOOKS: usize = 400;
+const SAMPLES: usize = 400;
 
 /// Events between two clock readings.
 const EVENTS: u64 = 500;
@@ -64,7 +64,7 @@ pub fn trial(scene: &Scene) -> Trial {
 const COARSE_RUNS: usize = 4;
 
 /// Returns the expected time of a run of which only the start was tried, s.
-fn extrapolated(scene: &Scene, tried: Method, start: &Course) -> f64 {
+fn extrapolated(scene: &Scene, tried: Method, start: &CostCurve) -> f64 {
     let Some((method, coarse)) = coarse_run(scene, tried, start) else { return start.seconds() / start.share() };
     let by_start = start.seconds() / coarse.part(start.share());
     let (Some(cells), Some(fewer)) = (tried.cells(), method.cells()) else { return by_start };
@@ -75,7 +75,7 @@ fn extrapolated(scene: &Scene, tried: Method, start: &Course) -> f64 {
 }
 
 /// Runs coarser versions of a scene. Returns the first one that reaches its end, or the last one tried.
-fn coarse_run(scene: &Scene, tried: Method, start: &Course) -> Option<(Method, Course)> {
+fn coarse_run(scene: &Scene, tried: Method, start: &CostCurve) -> Option<(Method, CostCurve)> {
     let mut method = coarser(tried, start)?;
     let mut course = follow(scene, method);
     for _ in 1..COARSE_RUNS {
@@ -86,7 +86,7 @@ fn coarse_run(scene: &Scene, tried: Method, start: &Course) -> Option<(Method, C
 }
 
 /// Returns a method whose run takes about half of [`LIMIT`], given the course of `start`; `None` if no coarser method exists.
-fn coarser(method: Method, start: &Course) -> Option<Method> {
+fn coarser(method: Method, start: &CostCurve) -> Option<Method> {
     let less = (0.5 * LIMIT * start.share() / start.seconds()).sqrt();
     if let Method::FrontTracking { front_tolerance, event_budget } = method {
         let settings = Settings { front_tolerance, event_budget, ..Settings::default() };
@@ -99,7 +99,7 @@ fn coarser(method: Method, start: &Course) -> Option<Method> {
 
 /// Computing time of a run as a function of its progress.
 #[derive(Debug, Default)]
-struct Course {
+struct CostCurve {
     /// Fraction of the end time, and solver time up to then, s.
     points: Vec<[f64; 2]>,
     /// Number of events up to the last point.
@@ -108,7 +108,7 @@ struct Course {
     ended: bool,
 }
 
-impl Course {
+impl CostCurve {
     fn seconds(&self) -> f64 {
         self.points.last().map_or(0.0, |point| point[1])
     }
@@ -139,7 +139,7 @@ impl Course {
 }
 
 /// Runs a scene by a method for at most [`LIMIT`] and returns its course.
-fn follow(scene: &Scene, method: Method) -> Course {
+fn follow(scene: &Scene, method: Method) -> CostCurve {
     let scene = &scene.by(method);
     assemble::solve(scene, Task { scene })
 }
@@ -149,27 +149,27 @@ struct Task<'a> {
 }
 
 impl assemble::Task for Task<'_> {
-    type Output = Course;
+    type Output = CostCurve;
 
-    fn on_grid(self, mut bar: impl Stepped + Snapshot) -> Course {
+    fn on_grid(self, mut bar: impl Stepped + Snapshot) -> CostCurve {
         let scene = self.scene;
         let places = Sampling::at(bar.grid(), history_places(scene));
         let mut log = Traces::new(places, scene.effects.heat.is_some(), bar.sudden_loads().ends);
         bar.watch(&log);
         bar.add_to(&mut log);
         let steps = bar.grid().steps_to(scene.solve.until);
-        let next = move |bar: &_| (Stepped::step(bar) + (steps / LOOKS).max(1)).min(steps);
+        let next = move |bar: &_| (Stepped::step(bar) + (steps / SAMPLES).max(1)).min(steps);
         let at = move |bar: &_| (Stepped::step(bar) as f64 / steps as f64, 0);
         let stops = |bar: &_| limits(bar).iter().any(|limit| limit.stops(scene));
-        let course = Course { ended: check_start(scene).is_err(), ..Course::default() };
+        let course = CostCurve { ended: check_start(scene).is_err(), ..CostCurve::default() };
         Tried { bar, log, next, at, stops, work: u64::MAX, course }.course()
     }
 
-    fn by_fronts(self, settings: Settings) -> Course {
+    fn by_fronts(self, settings: Settings) -> CostCurve {
         let (scene, until) = (self.scene, self.scene.solve.until);
         let before = Instant::now();
         let bar = assemble::front_tracking(scene, Settings { front_segments: true, stop_at_limits: true, ..settings });
-        let course = Course { points: vec![[0.0, before.elapsed().as_secs_f64()]], ..Course::default() };
+        let course = CostCurve { points: vec![[0.0, before.elapsed().as_secs_f64()]], ..CostCurve::default() };
         let at = move |bar: &FrontTracking| (bar.time() / until, bar.events());
         Tried { bar, log: Vec::new(), next: move |_: &_| until, at, stops: |_: &_| false, work: EVENTS, course }
             .course()
@@ -188,7 +188,7 @@ struct Tried<S: Solver, N, A, E> {
     stops: E,
     /// Largest work between two looks.
     work: u64,
-    course: Course,
+    course: CostCurve,
 }
 
 impl<S, N, A, E> Tried<S, N, A, E>
@@ -198,7 +198,7 @@ where
     A: Fn(&S) -> (f64, u64),
     E: Fn(&S) -> bool,
 {
-    fn course(mut self) -> Course {
+    fn course(mut self) -> CostCurve {
         let work = self.work;
         // If the simulation ends early, the course covers the time up to then.
         let _: Result<(), Early> = simulate(&mut self, work);
@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn the_part_of_a_course_is_read_between_its_points() {
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-15, "{a}, not {b}");
-        let course = |points: &[[f64; 2]], ended| Course { points: points.to_vec(), events: 0, ended };
+        let course = |points: &[[f64; 2]], ended| CostCurve { points: points.to_vec(), events: 0, ended };
         let whole = course(&[[0.5, 1.0], [1.0, 4.0]], true);
         near(whole.part(0.25), 0.125);
         near(whole.part(0.75), 0.625);

@@ -4,7 +4,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use barwave::accuracy::{Companions, FrontListener, Response};
+use barwave::accuracy::{Companions, FrontRecorder, Response};
 use barwave::bar::{Bar, EndCondition, History, Segment};
 use barwave::material::{Beyond, Curve, Material};
 use barwave::record::{ErrorTable, Measure};
@@ -100,9 +100,9 @@ impl Case {
 
     /// Returns the state at the end of a run, which is compared.
     fn response(&self, run: &FrontTracking) -> Response {
-        let mut listener = FrontListener::new(&self.bar, 0, &[]);
-        listener.look(run);
-        listener.response(run)
+        let mut recorder = FrontRecorder::new(&self.bar, 0, &[]);
+        recorder.read_fields(run);
+        recorder.response(run)
     }
 }
 
@@ -130,7 +130,7 @@ pub fn estimate(case: &Case, run: &FrontTracking, settings: Settings) -> Result<
 /// the estimate.
 pub fn error(case: &Case, run: &FrontTracking, better: &FrontTracking) -> f64 {
     let own = case.response(run);
-    larger(&own.apart(&case.response(better), &own))
+    larger(&own.difference(&case.response(better), &own))
 }
 
 fn larger(errors: &ErrorTable) -> f64 {

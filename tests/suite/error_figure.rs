@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
-use barwave::accuracy::{Course, Response, respond};
+use barwave::accuracy::{Response, ResponseRequest, respond};
 use barwave::assemble;
 use barwave::record::Measure;
 use barwave::run;
@@ -115,8 +115,8 @@ fn response(text: &str, tolerance: f64) -> Response {
     let scene = scene(text, tolerance);
     let mut bar = assemble::front_tracking(&scene, Settings { front_tolerance: tolerance, ..Settings::default() });
     let instants = [0.5, 1.0].map(|share| share * scene.solve.until);
-    let course = Course { instants: &instants, gauges: &[], joints: &[], until: 0.0, work: u64::MAX };
-    respond(&scene.bar, &mut bar, course, |_, _| Ok::<_, Infallible>(())).expect("it comes to its end").0
+    let request = ResponseRequest { instants: &instants, gauges: &[], joints: &[], until: 0.0, work: u64::MAX };
+    respond(&scene.bar, &mut bar, request, |_, _| Ok::<_, Infallible>(())).expect("it comes to its end").0
 }
 
 /// Merging relative to the stress of the hard segment would merge most fronts of the soft one into one.

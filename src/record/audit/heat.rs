@@ -13,7 +13,7 @@ use super::spread::Spread;
 use crate::material::{DEFAULT_FRACTION, Material, Sense, WorkTable};
 
 /// Ratio by which the plastic strain of a place must have grown before its softening is computed again.
-const WORTH_IT: f64 = 1.02;
+const UPDATE_RATIO: f64 = 1.02;
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Heat {
@@ -66,11 +66,11 @@ impl Heat {
         Self { media, softening: vec![(0.0, 0.0); places], spread, change: 0.0, hottest: None }
     }
 
-    pub fn look(&mut self, now: &Reading, places: &Places) {
+    pub fn sample(&mut self, now: &Reading, places: &Places) {
         let mut changes = vec![0.0; self.softening.len()];
         for (k, softening) in self.softening.iter_mut().enumerate() {
             let (Some(senses), plastic) = (&self.media[places.segment[k]], now.plastic[k]) else { continue };
-            if plastic > WORTH_IT * softening.0 {
+            if plastic > UPDATE_RATIO * softening.0 {
                 let (rise, lost) = senses[usize::from(now.strain[k] < 0.0)].at(places.at_start[k], plastic);
                 *softening = (plastic, lost);
                 if self.hottest.is_none_or(|h| rise > h.0) {
@@ -79,7 +79,7 @@ impl Heat {
             }
             changes[k] = softening.1 * now.stress[k].abs();
         }
-        let spread = self.spread.look(now, &changes);
+        let spread = self.spread.sample(now, &changes);
         self.change = self.change.max(places.integral(&changes)).max(spread);
     }
 

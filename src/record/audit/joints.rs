@@ -46,7 +46,7 @@ impl Joints {
         Self(joints)
     }
 
-    pub fn look(&mut self, now: &Reading) {
+    pub fn sample(&mut self, now: &Reading) {
         for joint in &mut self.0 {
             if now.stress[joint.place] > joint.tension {
                 (joint.tension, joint.time) = (now.stress[joint.place], now.time);

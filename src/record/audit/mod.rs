@@ -6,7 +6,7 @@
 //! includes the direct contribution of the effect, not its consequences. A change of the outcome (the bar fractures)
 //! counts as 1.
 //!
-//! The state is sampled at about 128 places, [`LOOKS`] times per run, and only after some section has yielded, which is
+//! The state is sampled at about 128 places, [`AUDIT_SAMPLES`] times per run, and only after some section has yielded, which is
 //! cheap compared with the stepping. Tensile strains can be largest in a single cell and are therefore read in every
 //! cell. The evaluation of each effect is in a file of its own.
 
@@ -42,7 +42,7 @@ use crate::material::Material;
 use crate::snapshot::{self, Snapshot, pack, unpack};
 
 /// Number of times that the bar is sampled during a run.
-pub const LOOKS: usize = 64;
+pub const AUDIT_SAMPLES: usize = 64;
 
 /// Effects that are off. Effects that are on get no row.
 #[derive(Debug, Clone, Copy, Default)]
@@ -143,7 +143,7 @@ impl Audit {
     }
 
     /// Samples a bar in which some section has yielded; `at` are [`Audit::places`] in the form in which the bar reads them.
-    pub fn look<V: View>(&mut self, bar: &V, at: &V::Places) {
+    pub fn sample<V: View>(&mut self, bar: &V, at: &V::Places) {
         let now = &mut self.now;
         (now.lapse, now.time) = (bar.time() - now.time, bar.time());
         bar.sample(Field::Stress, at, &mut now.stress);
@@ -159,7 +159,7 @@ impl Audit {
             now.plastic.iter_mut().zip(&self.places.at_start).for_each(|(plastic, start)| *plastic -= start);
         }
         if self.off.rupture {
-            self.tensile.look(bar);
+            self.tensile.sample(bar);
         }
         self.take_in();
     }
@@ -168,15 +168,15 @@ impl Audit {
         let (now, places) = (&self.now, &self.places);
         self.looked = true;
         self.peak = self.peak.max(now.stress.iter().zip(&places.weight).map(|(s, w)| s.abs() * w).sum());
-        self.joints.look(now);
+        self.joints.sample(now);
         if self.off.unloading {
-            self.unloading.look(now, places, &self.materials);
+            self.unloading.sample(now, places, &self.materials);
         }
         if self.off.heat {
-            self.heat.look(now, places);
+            self.heat.sample(now, places);
         }
         if self.off.rate {
-            self.rate.look(now, places);
+            self.rate.sample(now, places);
         }
     }
 

@@ -89,7 +89,7 @@ struct Place {
 
 impl Place {
     /// Advances the overstress of the place by one sample; returns the plastic strain rate, 1/s.
-    fn look(&mut self, medium: &Medium, step: Step) -> f64 {
+    fn sample(&mut self, medium: &Medium, step: Step) -> f64 {
         let Medium { law, modulus, limits } = *medium;
         let Step { time, lapse, stress, plastic } = step;
         let limit = limits[usize::from(stress < 0.0)];
@@ -121,7 +121,7 @@ impl RateRise {
         Self { media, places: vec![Place::default(); places], elastic: 0.0, spread, change: 0.0, quickest: None }
     }
 
-    pub fn look(&mut self, now: &Reading, places: &Places) {
+    pub fn sample(&mut self, now: &Reading, places: &Places) {
         if now.lapse <= 0.0 {
             return;
         }
@@ -132,14 +132,14 @@ impl RateRise {
         for (k, place) in self.places.iter_mut().enumerate() {
             let Some(medium) = &self.media[places.segment[k]] else { continue };
             let step = Step { time: now.time, lapse: now.lapse, stress: now.stress[k], plastic: now.plastic[k] };
-            let rate = place.look(medium, step);
+            let rate = place.sample(medium, step);
             place.overstress = place.overstress.min(self.elastic);
             if rate > self.quickest.map_or(0.0, |q| q.0) {
                 self.quickest = Some((rate, place.overstress / place.flow, now.time, k));
             }
             changes[k] = place.overstress;
         }
-        let spread = self.spread.look(now, &changes);
+        let spread = self.spread.sample(now, &changes);
         self.change = self.change.max(places.integral(&changes)).max(spread);
     }
 

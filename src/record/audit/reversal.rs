@@ -16,7 +16,7 @@ use crate::units::{Dimension, System, format};
 const LARGE: f64 = 0.1;
 
 /// Fraction of the plastic strain that must have been reversed before a place counts as reversed.
-const WENT_BACK: f64 = 1e-6;
+const REVERSED_FRACTION: f64 = 1e-6;
 
 /// Flow stresses at a reversal.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +75,7 @@ pub fn reversed_flow(
 /// `None` if the strain was small or not reversed.
 fn reversal(hardening: &[Hardening; 2], modulus: f64, accumulated: f64, signed: f64) -> Option<Reversal> {
     let (sense, strain) = (Sense::of(signed), 0.5 * (accumulated + signed.abs()));
-    if strain < LARGE || accumulated - strain <= WENT_BACK * accumulated {
+    if strain < LARGE || accumulated - strain <= REVERSED_FRACTION * accumulated {
         return None;
     }
     let p = modulus * strain;

@@ -56,7 +56,7 @@ impl TensileStrain {
         Self { largest: None, critical: bar.segments.iter().map(critical).collect(), cells }
     }
 
-    pub fn look(&mut self, bar: &impl View) {
+    pub fn sample(&mut self, bar: &impl View) {
         let (time, mut cell, mut segment) = (bar.time(), 0, 0);
         bar.strains(&mut |x, strain| {
             while segment + 1 < self.critical.len() && x > self.critical[segment].0 {

@@ -36,7 +36,7 @@ impl Spread {
     }
 
     /// Adds the change of the stress of every place (Pa). Returns the largest L1 change that unloading has spread over the bar, Pa m.
-    pub fn look(&mut self, now: &Reading, changes: &[f64]) -> f64 {
+    pub fn sample(&mut self, now: &Reading, changes: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
         for (k, place) in self.places.iter_mut().enumerate() {
             let stress = now.stress[k].abs();

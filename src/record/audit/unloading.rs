@@ -57,11 +57,11 @@ impl Unloading {
         }
     }
 
-    pub fn look(&mut self, now: &Reading, places: &Places, materials: &[Arc<Material>]) {
+    pub fn sample(&mut self, now: &Reading, places: &Places, materials: &[Arc<Material>]) {
         let (mut change, mut held, mut start) = (0.0, 0.0, 0);
         let count = now.strain.len();
         for k in 0..=count {
-            if k < count && self.went_back(k, now) {
+            if k < count && self.has_unloaded(k, now) {
                 continue;
             }
             if k - start >= self.together {
@@ -77,7 +77,7 @@ impl Unloading {
     }
 
     /// Updates the largest strain of a place; returns true if the place has yielded and unloaded since.
-    fn went_back(&mut self, k: usize, now: &Reading) -> bool {
+    fn has_unloaded(&mut self, k: usize, now: &Reading) -> bool {
         let (strain, stress) = (now.strain[k], now.stress[k]);
         if strain.abs() > self.largest[k].0.abs() {
             self.largest[k] = (strain, stress.abs());

@@ -5,7 +5,7 @@ use super::Figure;
 use super::contact::Site;
 use super::fragment::Fragment;
 use super::key;
-use super::records::{Absorbed, Part};
+use super::records::{Absorbed, SegmentResults};
 use super::tally::Gauge;
 use crate::units::Dimension;
 
@@ -46,7 +46,7 @@ const fn row<S>(
 }
 
 /// Figures of the bar, and of each segment if there are several.
-pub(super) static PART: &[Definition<Part>] = &[
+pub(super) static PART: &[Definition<SegmentResults>] = &[
     row(
         ("largest_plastic_strain", Dimension::None, ""),
         "largest accumulated plastic strain at the end of the run",

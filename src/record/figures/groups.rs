@@ -2,12 +2,12 @@
 
 use super::contact::{Site, sites};
 use super::definitions::{BAR, END, FRAGMENT, Figured, GAUGE, JOINT, LOAD, PART, RESIDUAL_PROFILE};
-use super::records::{Absorbed, Part, Records, SegmentEnd};
+use super::records::{Absorbed, Records, SegmentEnd, SegmentResults};
 use super::{Figures, Group, Profile};
 use crate::bar::Joint;
 
 /// Largest number of fragments that the summary prints.
-const MOST_TOLD: usize = 12;
+const MAX_FRAGMENTS_SHOWN: usize = 12;
 
 impl Records<'_> {
     /// Computes the figures that exist.
@@ -31,7 +31,7 @@ impl Records<'_> {
         groups.extend(self.fragments.all().iter().enumerate().map(|(k, fragment)| {
             let number = (k + 1).to_string();
             let figures = FRAGMENT.figures(&(*fragment, self.bar.area_given));
-            group(&["fragments", &number], &format!("fragment {number}"), k < MOST_TOLD, figures)
+            group(&["fragments", &number], &format!("fragment {number}"), k < MAX_FRAGMENTS_SHOWN, figures)
         }));
         groups.retain(|group| !group.figures.is_empty());
         Figures(groups)
@@ -47,7 +47,7 @@ impl Records<'_> {
         let absorbed =
             energies.plastic + energies.heat + energies.viscoplastic + energies.concentrated + energies.fracture;
         let volume: f64 = self.bar.segments.iter().map(|segment| segment.area * segment.length).sum();
-        let part = Part {
+        let part = SegmentResults {
             length: (bonded && !self.is_twisted()).then(|| lengths(length, &end)),
             twist: self.radius().filter(|_| bonded).map(|radius| twist(radius, length, &end)),
             end,
@@ -67,7 +67,7 @@ impl Records<'_> {
         let (end, length) = (self.segments[k], self.bar.segments[k].length);
         let twist = self.radius().map(|radius| twist(radius, length, &end));
         let length = (!self.is_twisted()).then(|| lengths(length, &end));
-        let part = Part { length, twist, end };
+        let part = SegmentResults { length, twist, end };
         let number = (k + 1).to_string();
         group(&["segments", &number], &format!("segment {number}"), end.accumulated > 0.0, PART.figures(&part))
     }
@@ -94,7 +94,7 @@ fn place(path: &[&str], label: &str, site: &Site, more: &[super::Definition<Site
     group(path, label, site.load.peak.largest.value != 0.0, figures)
 }
 
-fn group(path: &[&str], label: &str, tells: bool, figures: Vec<super::Figure>) -> Group {
+fn group(path: &[&str], label: &str, in_summary: bool, figures: Vec<super::Figure>) -> Group {
     let path = path.iter().map(|&part| part.to_owned()).collect();
-    Group { path, label: label.to_owned(), tells, figures, profile: None }
+    Group { path, label: label.to_owned(), in_summary, figures, profile: None }
 }

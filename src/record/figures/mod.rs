@@ -35,7 +35,7 @@ pub struct Group {
     /// Label in the printed summary.
     pub label: String,
     /// True if the summary prints a line for the group.
-    pub tells: bool,
+    pub in_summary: bool,
     /// Figures in the order of their definitions.
     pub figures: Vec<Figure>,
     /// Profile along the bar, if there is one.

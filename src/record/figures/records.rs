@@ -70,7 +70,7 @@ pub struct Records<'a> {
 }
 
 /// State of a segment, or of the whole bar, at the end of the run.
-pub(super) struct Part {
+pub(super) struct SegmentResults {
     /// Initial length and length after elastic unloading, m; `None` if the bar has joints that can open, and in torsion.
     pub length: Option<[f64; 2]>,
     /// Rotation of the right end relative to the left one, at the end of the run and after elastic unloading, rad;

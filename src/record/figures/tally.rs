@@ -43,27 +43,27 @@ pub(super) struct Peak {
     /// Stress of largest magnitude, Pa, and the time at which it was first reached, s.
     pub largest: Extreme,
     /// True if a row counts only once the stress is known to last, see [`SPIKE`].
-    waits: bool,
+    needs_confirmation: bool,
     /// Times (s) and stresses (Pa) of the two latest rows, which do not count yet.
-    waiting: [Option<(f64, f64)>; 2],
+    pending: [Option<(f64, f64)>; 2],
 }
 
 impl Peak {
     fn add(&mut self, time: f64, stress: f64) {
-        if !self.waits {
+        if !self.needs_confirmation {
             self.largest.add(time, stress);
             return;
         }
-        let [before, last] = self.waiting;
+        let [before, last] = self.pending;
         if let Some((at, value)) = before.filter(|&(_, value)| value.abs() <= SPIKE * stress.abs()) {
             self.largest.add(at, value);
         }
-        self.waiting = [last, Some((time, stress))];
+        self.pending = [last, Some((time, stress))];
     }
 
-    /// Counts the waiting rows at the end of the history.
+    /// Counts the pending rows at the end of the history.
     fn close(&mut self) {
-        for (time, stress) in std::mem::take(&mut self.waiting).into_iter().flatten() {
+        for (time, stress) in std::mem::take(&mut self.pending).into_iter().flatten() {
             self.largest.add(time, stress);
         }
     }
@@ -88,8 +88,8 @@ pub(super) struct Load {
 }
 
 impl Load {
-    fn new(modulus: f64, waits: bool) -> Self {
-        let peak = Peak { waits, ..Peak::default() };
+    fn new(modulus: f64, needs_confirmation: bool) -> Self {
+        let peak = Peak { needs_confirmation, ..Peak::default() };
         Self { peak, no_stress: NO_STRESS * modulus, is_released: true, ..Self::default() }
     }
 
@@ -129,11 +129,11 @@ impl Tally {
         let loads: Vec<Load> =
             bar.segments.iter().map(|segment| Load::new(segment.material.modulus, relaxes)).collect();
         let last = loads.len() - 1;
-        let gauge = Gauge { stress: Peak { waits: relaxes, ..Peak::default() }, ..Gauge::default() };
+        let gauge = Gauge { stress: Peak { needs_confirmation: relaxes, ..Peak::default() }, ..Gauge::default() };
         Self { ends: [loads[0], loads[last]], gauges: vec![gauge; gauges], joints: loads[..last].to_vec() }
     }
 
-    /// Counts the waiting rows at the end of the run.
+    /// Counts the pending rows at the end of the run.
     pub fn close(&mut self) {
         self.gauges.iter_mut().for_each(|gauge| gauge.stress.close());
         self.ends.iter_mut().chain(&mut self.joints).for_each(|load| load.peak.close());
@@ -154,7 +154,7 @@ impl Tally {
     /// Adds rows of the gauges and joints, and of both ends. `breaks` are the times at which the joints fracture, s,
     /// infinite for a joint that holds; from this time on the stress next to a joint is that of a fragment, not of the
     /// joint.
-    pub fn hear(&mut self, gauges: &[Trace], ends: &[Trace; 2], breaks: &[f64]) {
+    pub fn add_rows(&mut self, gauges: &[Trace], ends: &[Trace; 2], breaks: &[f64]) {
         let (gauges, joints) = gauges.split_at(self.gauges.len().min(gauges.len()));
         for (tally, rows) in self.gauges.iter_mut().zip(gauges) {
             for ((&time, &stress), &strain) in rows.time.iter().zip(&rows.stress).zip(&rows.strain) {

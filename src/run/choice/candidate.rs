@@ -29,7 +29,7 @@ const LOWEST_ORDER: f64 = 0.3;
 
 /// Stagnation of a grid: if the error is still larger than this fraction with this many times the cells, part of the error does not decrease with
 /// refinement.
-const STUCK: (f64, f64) = (0.8, 16.0);
+const STAGNATION: (f64, f64) = (0.8, 16.0);
 
 /// Largest number of events of a first pilot while no other method has a prediction.
 pub(super) const UNRIVALLED_EVENTS: u64 = 10_000_000;
@@ -43,13 +43,13 @@ const EVENT_GROWTH: [f64; 2] = [1.0, 3.0];
 /// Number of events below which a pilot of front tracking is cheaper than a pilot on any grid.
 pub(super) const FEW_EVENTS: u64 = 300;
 /// Ratio to the expected cost of the best other candidate at which a pilot of front tracking is stopped.
-pub(super) const PATIENCE: f64 = 2.0;
+pub(super) const MAX_COST_RATIO: f64 = 2.0;
 
 /// Longest nominal time of a run for a tolerance, s.
 pub(super) const MOST_TIME: f64 = 3600.0;
 /// Fraction of [`MOST_TIME`] that the next pilot must take before a predicted run time above that limit counts: predictions of the first pilots are
 /// too inaccurate.
-const TELLING: f64 = 0.01;
+const MIN_CONCLUSIVE_FRACTION: f64 = 0.01;
 
 /// Returns the nominal time of a cell-step or an event, s, as reported by `barwave plan` and the benchmarks, mostly for yielded cells. Only the
 /// ratios matter.
@@ -106,7 +106,7 @@ pub(super) struct Pilot {
 
 impl Pilot {
     /// Returns whether the change of cost and estimate up to the next pilot shows a trend; with only a few fronts it does not.
-    pub fn tells(&self) -> bool {
+    pub fn is_conclusive(&self) -> bool {
         !self.method.tracks_fronts() || self.work >= FEW_EVENTS
     }
 }
@@ -165,7 +165,7 @@ impl Candidate {
         }
         let [least, most] = EVENT_GROWTH;
         let [.., before, last] = &self.pilots[..] else { return least };
-        if !before.tells() {
+        if !before.is_conclusive() {
             return least;
         }
         let seen = (last.work as f64 / before.work as f64).ln() / refinement(before, last).ln();
@@ -175,7 +175,7 @@ impl Candidate {
     /// Returns the order for extrapolating the last estimate: the order observed in the last two pilots, but at most that of the last pilot.
     fn order(&self, last: &Pilot) -> f64 {
         let [.., before, _] = &self.pilots[..] else { return last.order };
-        if !before.tells() {
+        if !before.is_conclusive() {
             return last.order;
         }
         let seen = (before.estimate / last.estimate).ln() / refinement(before, last).ln();
@@ -192,7 +192,7 @@ impl Candidate {
     /// Rejects the candidate if its run is expected to exceed [`MOST_TIME`].
     pub fn check_reach(&mut self, scene: &Scene, tolerance: f64) {
         let Some((finer, time)) = self.carried_on(scene, tolerance) else { return };
-        if self.out.is_none() && time > MOST_TIME && self.next_pilot(scene) > TELLING * MOST_TIME {
+        if self.out.is_none() && time > MOST_TIME && self.next_pilot(scene) > MIN_CONCLUSIVE_FRACTION * MOST_TIME {
             let method = self.finer(finer);
             self.out = Some(format!("{} would be needed, nominally {time:.0e} s", resolution(method)));
         }
@@ -217,9 +217,9 @@ impl Candidate {
         self.pilots.push(pilot);
         let stuck = |before: &&Pilot| {
             !self.method.tracks_fronts()
-                && refinement(before, &pilot) >= STUCK.1
+                && refinement(before, &pilot) >= STAGNATION.1
                 && before.estimate > tolerance
-                && pilot.estimate > STUCK.0 * before.estimate
+                && pilot.estimate > STAGNATION.0 * before.estimate
         };
         if let Some(before) = self.pilots.iter().find(stuck) {
             self.out = Some(format!(

@@ -16,13 +16,13 @@ use self::candidate::{Candidate, FEW_EVENTS, LEAP_CELLS, LEAP_TOLERANCE, MOST_TI
 use self::pilots::{contradiction, front_pilot, grid_pilot};
 use super::limits::check_start;
 use super::tracked::OUT_OF_EVENTS;
-use super::{Progress, Target, on_target};
+use super::{Progress, Target, run_method};
 use crate::error::{Error, Result, RunError};
 use crate::record::{ChoiceSummary, SolvedBy, Summary, Tried};
 use crate::scene::{Method, Scene, Tolerance};
 
 /// Fraction of the expected time of the best method below which the next pilot of any other method is always run.
-const NEXT_TO_NOTHING: f64 = 0.1;
+const NEGLIGIBLE_COST_FRACTION: f64 = 0.1;
 
 /// Largest number of repetitions of a run that misses its tolerance.
 const MOST_REPEATS: usize = 24;
@@ -45,24 +45,24 @@ pub(super) fn run(
     mut target: Target<'_>,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Summary> {
-    let Some(asked) = &scene.solve.tolerance else { return on_target(scene, &target, progress) };
+    let Some(requested) = &scene.solve.tolerance else { return run_method(scene, &target, progress) };
     let mut attempt = if let Some(resumed) = target.chosen.attempt.take() {
         resumed
     } else {
         check_start(scene)?;
-        Attempt::new(scene, asked.value, candidates(scene, asked), 0, progress)?
+        Attempt::new(scene, requested.value, candidates(scene, requested), 0, progress)?
     };
     loop {
-        let next = target.anew();
+        let next = target.for_repeat();
         // The attempt can be large and is needed for checkpoints only.
         target.chosen.attempt = target.every.map(|_| attempt.clone());
-        if let Some(summary) = attempt.run(scene, asked.value, &target, progress)? {
+        if let Some(summary) = attempt.run(scene, requested.value, &target, progress)? {
             return Ok(summary);
         }
         if attempt.number == MOST_REPEATS {
-            return Err(not_reached(scene, asked.value, &attempt.candidates));
+            return Err(not_reached(scene, requested.value, &attempt.candidates));
         }
-        attempt = Attempt::new(scene, asked.value, attempt.candidates, attempt.number + 1, progress)?;
+        attempt = Attempt::new(scene, requested.value, attempt.candidates, attempt.number + 1, progress)?;
         target = next;
     }
 }
@@ -76,7 +76,7 @@ impl Attempt {
         number: usize,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Self> {
-        let (winner, finer) = race(scene, tolerance, &mut candidates, progress)?;
+        let (winner, finer) = select_candidate(scene, tolerance, &mut candidates, progress)?;
         let (method, why) = (candidates[winner].finer(finer), why(scene, tolerance, &candidates, winner));
         Ok(Self { candidates, winner, method, why, number })
     }
@@ -95,7 +95,7 @@ impl Attempt {
         target: &Target<'_>,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Option<Summary>> {
-        let ended = on_target(&self.scene(scene), target, progress);
+        let ended = run_method(&self.scene(scene), target, progress);
         let Self { ref mut candidates, winner, method, .. } = *self;
         let summary = match ended {
             Err(Error::Run(error)) if error.reason.starts_with(OUT_OF_EVENTS) => {
@@ -133,26 +133,26 @@ pub fn predict(
     scene: &Scene,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<(Method, String)>> {
-    let Some(asked) = &scene.solve.tolerance else { return Ok(None) };
+    let Some(requested) = &scene.solve.tolerance else { return Ok(None) };
     check_start(scene)?;
-    let mut candidates = candidates(scene, asked);
-    let (winner, finer) = race(scene, asked.value, &mut candidates, progress)?;
-    Ok(Some((candidates[winner].finer(finer), why(scene, asked.value, &candidates, winner))))
+    let mut candidates = candidates(scene, requested);
+    let (winner, finer) = select_candidate(scene, requested.value, &mut candidates, progress)?;
+    Ok(Some((candidates[winner].finer(finer), why(scene, requested.value, &candidates, winner))))
 }
 
-fn candidates(scene: &Scene, asked: &Tolerance) -> Vec<Candidate> {
-    methods(scene, &asked.methods).into_iter().map(Candidate::new).collect()
+fn candidates(scene: &Scene, requested: &Tolerance) -> Vec<Candidate> {
+    methods(scene, &requested.methods).into_iter().map(Candidate::new).collect()
 }
 
 /// Returns the methods with reliable estimates: methods that discretize a taper into steps are left out if any other method does not need to.
-fn methods(scene: &Scene, asked: &[Method]) -> Vec<Method> {
+fn methods(scene: &Scene, requested: &[Method]) -> Vec<Method> {
     let whole = |method: &Method| scene.by(*method).in_pieces().is_none();
-    let kept: Vec<Method> = asked.iter().copied().filter(whole).collect();
-    if kept.is_empty() { asked.to_vec() } else { kept }
+    let kept: Vec<Method> = requested.iter().copied().filter(whole).collect();
+    if kept.is_empty() { requested.to_vec() } else { kept }
 }
 
 /// Refines the candidates until one of them is close. Returns its index and the factor by which it has to be finer than its last pilot.
-fn race(
+fn select_candidate(
     scene: &Scene,
     tolerance: f64,
     candidates: &mut [Candidate],
@@ -177,7 +177,7 @@ fn race(
         let cheap = (0..candidates.len()).filter(|&k| (k != best || near.is_none()) && misses(&candidates[k]));
         let cost = |k: usize| candidates[k].next_pilot(scene);
         let cheap = cheap.min_by(|&a, &b| cost(a).total_cmp(&cost(b)));
-        let cheap = cheap.filter(|&k| cost(k) < NEXT_TO_NOTHING * time(&candidates[best]).min(MOST_TIME));
+        let cheap = cheap.filter(|&k| cost(k) < NEGLIGIBLE_COST_FRACTION * time(&candidates[best]).min(MOST_TIME));
         if let (None, Some((finer, _))) = (cheap, near) {
             return Ok((best, finer));
         }

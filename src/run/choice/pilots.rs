@@ -3,7 +3,7 @@
 use super::super::accuracy::{self, Coarse};
 use super::super::{Progress, companion};
 use super::candidate::{
-    Candidate, FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MOST_CELLS, PATIENCE, Pilot,
+    Candidate, FEW_EVENTS, FIRST_CELLS, FRONT_ORDER, FRONT_ORDERS, LEAST_TOLERANCE, MAX_COST_RATIO, MOST_CELLS, Pilot,
     UNRIVALLED_EVENTS, nominal,
 };
 use crate::accuracy::{INSTANTS, Response, evenly, extrapolate};
@@ -15,7 +15,7 @@ use crate::solver::moc::{COMPANION_RATIO, FrontTracking, Settings};
 use std::ops::ControlFlow;
 
 /// Largest ratio of the error estimate of front tracking to that of a grid for which front tracking can check the grid.
-const TELLING: f64 = 0.3;
+const CHECK_RATIO: f64 = 0.3;
 
 /// Runs the next pilot on a grid and its companions, reusing runs of earlier pilots.
 pub(super) fn grid_pilot(
@@ -46,7 +46,7 @@ pub(super) fn grid_pilot(
     // A single run gives no error estimate.
     let (estimate, worst) = if all.len() > 1 { (found.value, table.worst()) } else { (f64::INFINITY, None) };
     let cells = grids[0].1;
-    candidate.add(Pilot { method, cells, estimate, worst, order: found.hope, work }, tolerance);
+    candidate.add(Pilot { method, cells, estimate, worst, order: found.expected_order, work }, tolerance);
     Ok(())
 }
 
@@ -81,7 +81,7 @@ pub(super) fn front_pilot(
         return Ok(());
     }
     let worth = match rival.is_finite() {
-        true => PATIENCE * rival / nominal(scene, method),
+        true => MAX_COST_RATIO * rival / nominal(scene, method),
         false if candidate.pilots.is_empty() => UNRIVALLED_EVENTS as f64,
         false => event_budget as f64,
     };
@@ -104,7 +104,7 @@ pub(super) fn front_pilot(
         return Ok(());
     };
     let (estimate, worst) = (table.largest().map_or(0.0, |largest| largest.1), table.worst());
-    let before = candidate.pilots.last().filter(|pilot| pilot.tells()).map(|pilot| pilot.estimate);
+    let before = candidate.pilots.last().filter(|pilot| pilot.is_conclusive()).map(|pilot| pilot.estimate);
     let order = before.map_or(FRONT_ORDER, |before| {
         ((before / estimate).ln() / COMPANION_RATIO.ln()).clamp(FRONT_ORDERS[0], FRONT_ORDERS[1])
     });
@@ -122,17 +122,17 @@ pub(super) fn contradiction(
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Option<String>> {
     let time = nominal(scene, run.method) * run.work as f64;
-    let telling = TELLING * run.estimate;
-    let tells = |p: &Pilot| p.estimate <= telling;
-    while tracking.out.is_none() && !tracking.pilots.last().is_some_and(tells) {
+    let limit = CHECK_RATIO * run.estimate;
+    let is_conclusive = |p: &Pilot| p.estimate <= limit;
+    while tracking.out.is_none() && !tracking.pilots.last().is_some_and(is_conclusive) {
         // The time is infinite if a pilot was stopped because of a rival that was expected to cost less.
-        let expected = tracking.predicted(scene, telling).map(|(_, time)| time).filter(|time| time.is_finite());
-        if expected.unwrap_or(0.0).max(tracking.next_pilot(scene)) > PATIENCE * time {
+        let expected = tracking.predicted(scene, limit).map(|(_, time)| time).filter(|time| time.is_finite());
+        if expected.unwrap_or(0.0).max(tracking.next_pilot(scene)) > MAX_COST_RATIO * time {
             return Ok(None);
         }
         front_pilot(scene, tracking, time, progress)?;
     }
-    let last = tracking.pilots.last().copied().filter(tells);
+    let last = tracking.pilots.last().copied().filter(is_conclusive);
     let Some(Pilot { method: Method::FrontTracking { front_tolerance, event_budget }, estimate, .. }) = last else {
         return Ok(None);
     };

@@ -50,7 +50,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
             self.tracker.save()?,
             self.audit.save()?,
             probe.unwrap_or_default(),
-            pack(&(&self.listener, self.recorder.stepping, &self.recorder.tally, self.traces.waiting()))?,
+            pack(&(&self.response_recorder, self.recorder.stepping, &self.recorder.tally, self.traces.waiting()))?,
         ]))
     }
 
@@ -65,7 +65,7 @@ impl<S: Stepped + Snapshot> Snapshot for Run<'_, S> {
             own.check.restore(probe)?;
         }
         let waiting;
-        (self.listener, self.recorder.stepping, self.recorder.tally, waiting) = unpack(rest)?;
+        (self.response_recorder, self.recorder.stepping, self.recorder.tally, waiting) = unpack(rest)?;
         self.traces.restore(waiting);
         Ok(())
     }

@@ -49,7 +49,7 @@ impl Run<'_> {
 impl Snapshot for Run<'_> {
     fn save(&self) -> snapshot::Result<Vec<u8>> {
         let probe = self.elastic_check.as_ref().map(Snapshot::save).transpose()?;
-        let histories = (&self.gauges, &self.ends, &self.listener);
+        let histories = (&self.gauges, &self.ends, &self.response_recorder);
         let fronts = (&self.fronts, &self.paths, &self.breaks, self.yielded);
         Ok(join(&[
             self.bar.save()?,
@@ -75,7 +75,7 @@ impl Snapshot for Run<'_> {
             pauses,
             self.recorder.stepping,
             self.recorder.tally,
-            (self.gauges, self.ends, self.listener),
+            (self.gauges, self.ends, self.response_recorder),
             (self.fronts, self.paths, self.breaks, self.yielded),
         ) = unpack(rest)?;
         self.pauses.truncate(pauses);

@@ -165,7 +165,7 @@ impl Leapfrog {
     }
 
     /// Returns the cells that have reached a limit of their law's data.
-    pub fn passed(&self) -> FirstPassed {
+    pub fn limits_reached(&self) -> FirstPassed {
         let mut all = FirstPassed::default();
         self.blocks.iter().for_each(|block| all.merge(&block.passed));
         all

@@ -10,7 +10,7 @@ use crate::wave::riemann::{Flow, Medium, Path, Point};
 
 impl FrontTracking {
     /// Returns the first points that reached each limit, ordered by time.
-    pub fn passed(&self) -> &[PointAtLimit] {
+    pub fn limits_reached(&self) -> &[PointAtLimit] {
         &self.limits.passed
     }
 

@@ -131,7 +131,7 @@ impl Muscl {
     }
 
     /// Returns the first cells that reached an end of the data of their law.
-    pub fn passed(&self) -> FirstPassed {
+    pub fn limits_reached(&self) -> FirstPassed {
         self.passed.clone()
     }
 

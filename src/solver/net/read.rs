@@ -144,7 +144,7 @@ impl Net {
     }
 
     /// Returns the first cells that reached an end of the data of their law.
-    pub fn passed(&self) -> FirstPassed {
+    pub fn limits_reached(&self) -> FirstPassed {
         self.passed.clone()
     }
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::refinement::Halt;
-use crate::accuracy::{Course, Ended, Respond, Response, respond};
+use crate::accuracy::{Ended, Respond, Response, ResponseRequest, respond};
 use crate::assemble;
 use crate::record::Stepped;
 use crate::scene::{Method, Scene};
@@ -201,10 +201,10 @@ impl Task<'_, '_> {
         let Self { scene, wanted, watch } = self;
         let (gauges, joints) = (scene.record.gauge_places(), scene.joints());
         let (instants, until) = (wanted.instants, scene.solve.until);
-        let course = Course { instants, gauges: &gauges, joints: &joints, until, work };
+        let course = ResponseRequest { instants, gauges: &gauges, joints: &joints, until, work };
         respond(&scene.bar, bar, course, |_, _| watch.look()).map_err(|ended| match ended {
             Ended::Stopped(why) => Halt::Failed(why.to_string()),
-            Ended::Asked(halt) => halt,
+            Ended::Caller(halt) => halt,
         })
     }
 }

@@ -5,7 +5,7 @@ use crate::bar::Bar;
 use crate::solver::fd::Grid;
 
 /// Histories of joints, read in the cells to their left and right. The force of the joint is the smaller of the two
-/// forces, and 0 if they have opposite signs. A wave that has reached one of the cells has not yet transmitted_stress the joint,
+/// forces, and 0 if they have opposite signs. A wave that has reached one of the cells has not yet passed the joint,
 /// and where one of the cells yields, the other first responds as if it did not: between a soft and a hard bar the mean
 /// of both was 17.0 kN instead of 8.7 kN, at any resolution.
 #[derive(Debug)]

@@ -196,15 +196,8 @@ impl<const N: usize> CellLaw<N> for Heated<N> {
         let mut cell = Cell { heated: self, history, rise, softening, latest: [rise, softening].into() };
         let step = step(&mut cell, sigma, predictor, self.time);
         let History { accumulated, signed, back, .. } = cell.history;
-        let after = [
-            accumulated,
-            signed,
-            step.step_per_relaxation_time,
-            step.overstress,
-            state[4] + step.work,
-            cell.rise,
-            back,
-        ];
+        let after =
+            [accumulated, signed, step.dt_over_relaxation_time, step.overstress, state[4] + step.work, cell.rise, back];
         Response { sigma: predictor - step.plastic, state: std::array::from_fn(|k| after[k]), plastic: step.plastic }
     }
 

@@ -46,7 +46,7 @@ pub(super) struct Step {
     /// Signed overstress at the end, Pa; [`FULLY_RELAXED`] if the cell flows and ends on the static curve.
     pub overstress: f64,
     /// Ratio of the step to the relaxation time.
-    pub step_per_relaxation_time: f64,
+    pub dt_over_relaxation_time: f64,
 }
 
 /// Computes a step of length `time` from stress `sigma` to the elastic predictor `predictor`, Pa: elastic up to a limit, then flow, and
@@ -94,7 +94,7 @@ impl Step {
             _ => 0.0,
         };
         self.overstress = if sense == 0 { size } else { -size };
-        self.step_per_relaxation_time = if left > least { flow / width(cell, left, sense) } else { 0.0 };
+        self.dt_over_relaxation_time = if left > least { flow / width(cell, left, sense) } else { 0.0 };
     }
 }
 

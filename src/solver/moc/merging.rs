@@ -57,7 +57,7 @@ pub(super) struct FrontMerging {
     /// Least stress change of a jump, and largest change of the states beside it, Pa.
     jump: f64,
     kept: f64,
-    /// For each segment, stress over E times plastic strain where the loading curve reaches the stress scale divided by the segment's change_weights.
+    /// For each segment, stress over E times plastic strain where the loading curve reaches the stress scale divided by the segment's weight, see [`change_weights`].
     secant: Vec<f64>,
     /// For each segment, the weight of its stress changes, see [`change_weights`].
     change_weights: Vec<f64>,

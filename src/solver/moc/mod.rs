@@ -63,7 +63,7 @@ pub struct Settings {
     /// Whether the front segments of ended fronts are kept for [`FrontTracking::take_front_segments`].
     pub front_segments: bool,
     /// Whether the run ends with [`Stopped::AtLimit`] at the end of the data of a material. Otherwise such points are only recorded, see
-    /// [`FrontTracking::passed`].
+    /// [`FrontTracking::limits_reached`].
     pub stop_at_limits: bool,
 }
 

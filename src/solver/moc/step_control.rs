@@ -55,7 +55,7 @@ impl StepControl {
         change > JUMP * self.part * self.level.max(force.abs())
     }
 
-    /// Returns the strength (N) below which waves do not end a step: the end follows them, and the next step takes them into through.
+    /// Returns the strength (N) below which waves do not end a step: the end follows them, and the next step takes them into account.
     pub fn passing(&self) -> f64 {
         PASSING * self.part * self.level
     }

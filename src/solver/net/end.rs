@@ -183,7 +183,7 @@ impl End {
         self.work
     }
 
-    /// NetSegment of that work that did not reach the face, J.
+    /// Part of that work that did not reach the face, J.
     pub fn lost(&self) -> f64 {
         self.work - self.work_on_face
     }

@@ -35,9 +35,9 @@ pub(super) struct Nodes {
 pub(super) struct Work {
     /// Total plastic work.
     pub total: f64,
-    /// NetSegment of the total done by the overstress.
+    /// Part of the total done by the overstress.
     pub overstress: f64,
-    /// NetSegment of the total that the net dissipates numerically.
+    /// Part of the total that the net dissipates numerically.
     pub numerical: f64,
 }
 

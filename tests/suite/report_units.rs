@@ -116,7 +116,7 @@ fn tables_of_materials_and_studies_have_the_units_asked_for() {
     let found = us.lines().find(|line| line.starts_with("320.00")).expect("its row");
     assert!(found.contains("at once"), "{us}");
     let svg = std::fs::read_to_string(folder.path().join("study/tension-impact.svg")).expect("a figure");
-    assert!(svg.contains("(ft*lbf)") && svg.contains("(ft/s)") && !svg.contains("(m/s)"));
+    assert!(svg.contains("(ft·lbf)") && svg.contains("(ft/s)") && !svg.contains("(m/s)"));
 }
 
 #[test]

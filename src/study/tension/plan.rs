@@ -67,9 +67,9 @@ pub struct Test {
     pub velocities: Vec<f64>,
     /// Curve used for `critical_velocity` and `static_elongation`: `static`, or `adiabatic` for a material with heating.
     pub curve: &'static str,
-    /// Critical velocity of the curve up to its [`Limit`], m/s.
+    /// Critical velocity of the curve up to its maximum, or to the strain of fracture if that is smaller, m/s.
     pub critical_velocity: f64,
-    /// Plastic strain at the [`Limit`] of the curve, which is the elongation over the gauge length in a test without waves.
+    /// Plastic strain there, which is the elongation over the gauge length in a test without waves.
     pub static_elongation: f64,
 }
 

@@ -55,7 +55,7 @@ pub(crate) struct Args {
     /// Length of the bar with --rate or --heat, e.g. "200 mm" (default: 200 mm).
     #[arg(long)]
     length: Option<Quantity>,
-    /// Specimens that are drawn, 100 to 1000000, for materials with a band of one standard deviation.
+    /// Number of random specimens, 100 to 1000000, for materials with a band of one standard deviation.
     #[arg(long, value_name = "N", default_value_t = 2000)]
     bootstrap: usize,
     /// Seed of these specimens.

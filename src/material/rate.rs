@@ -82,7 +82,7 @@ rate_laws! {
     /// Johnson and Cook: stress = static (1 + C ln(rate/reference)) above the static curve.
     JohnsonCook "johnson-cook" as johnson_cook { c = 0.014, reference = "1 1/s" }
     /// Zerilli and Armstrong, body-centred cubic metals: stress = static + s(rate, T) - s(reference, T) above the static curve, with
-    /// s = C1 exp(-C3 T + C4 T ln(rate/(1/s))) and T the material's `reference-temperature`, with the effect of heat that of the cell.
+    /// s = C1 exp(-C3 T + C4 T ln(rate/(1/s))) and T the material's `reference-temperature`, with heating the temperature of the cell.
     ZerilliArmstrong "zerilli-armstrong" as zerilli_armstrong {
         c1 = "1 GPa", c3 = "0.007 1/K", c4 = "0.0004 1/K", reference = "1e-3 1/s"
     }

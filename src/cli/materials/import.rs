@@ -75,7 +75,7 @@ pub(super) struct Args {
     /// Toe correction: `on` shifts strains so that the elastic line starts at zero, `off` keeps them as recorded.
     #[arg(long, value_enum, default_value = "on")]
     toe: Switch,
-    /// Keep the rows unchanged: no toe correction, no smoothing (always with fewer than 50 rows, but for --elastic-range).
+    /// Keep the rows unchanged: no toe correction, no smoothing (always with fewer than 50 rows, unless --elastic-range is given).
     #[arg(long, conflicts_with_all = ["elastic_range", "compliance", "smooth"])]
     keep_rows: bool,
     /// Measure of the strains and stresses of the record (default: that of the headings, as in "true stress"; else engineering).

@@ -172,7 +172,7 @@ macro_rules! driven {
         #[derive(Debug, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub struct $name {
-            /// From t = 0 on.
+            /// Constant value from t = 0 on.
             pub value: Option<Of<$measure>>,
             /// Rows [time, value]; 0 before the first row; linear between rows; a repeated time is a jump; the last value is held. Times never decrease.
             pub history: Option<Placed<Rows<measures::Time, $measure>>>,
@@ -216,7 +216,7 @@ pub struct Dashpot {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
-    /// Its distance from the end at the start.
+    /// Initial distance from the end.
     #[schemars(default)]
     pub gap: Or<Of<measures::Length, NotNegative>, 0>,
 }
@@ -226,7 +226,7 @@ pub struct Wall {
 pub struct Striker {
     /// Its mass.
     pub mass: Of<measures::Mass, Positive>,
-    /// Its velocity at the start, positive in +x.
+    /// Initial velocity, positive in +x.
     pub velocity: Of<measures::Velocity>,
 }
 
@@ -235,13 +235,13 @@ pub struct Striker {
 pub struct TwistingStriker {
     /// Its moment of inertia.
     pub inertia: Of<measures::MomentOfInertia, Positive>,
-    /// Its velocity at the start, positive in the same sense of rotation at both ends.
+    /// Initial velocity, positive in the same sense of rotation at both ends.
     pub velocity: Of<measures::AngularVelocity>,
 }
 
 raw_body! {
     Ball sphere {
-        /// Its velocity at the start, positive in +x.
+        /// Initial velocity, positive in +x.
         pub velocity: Of<measures::Velocity>,
         /// Poisson's ratio of the bar. Default: that of the bar's material.
         pub bar_poisson: Option<Of<Plain, Poisson>>,
@@ -250,7 +250,7 @@ raw_body! {
 
 raw_body! {
     BallOnLever sphere {
-        /// Its velocity at the start, positive in the same sense of rotation at both ends: a ball on a lever at rest meets it with a positive velocity at the left end, with a negative one at the right end.
+        /// Initial velocity, positive in the same sense of rotation at both ends: a ball on a lever at rest meets it with a positive velocity at the left end, with a negative one at the right end.
         pub velocity: Of<measures::Velocity>,
         /// The arm of the rigid lever that it strikes; the torque is force times arm.
         pub arm: Of<measures::Length, Positive>,

@@ -33,7 +33,7 @@ pub struct RawHistoryRecord<D> {
     pub time_column: Option<Placed<Column>>,
     /// Time of the record at which the run begins; earlier rows are left out. Required if the record has negative times. Default: 0.
     pub start: Option<Of<measures::Time>>,
-    /// What a value of 1 in the column stands for, instead of the unit in its heading; negative to change the sign. Default: 1 in the unit of the heading, or in SI units.
+    /// Value of one unit of the column, instead of the unit in its heading; negative to change the sign. Default: 1 in the unit of the heading, or in SI units.
     #[schemars(with = "Option<AsValue>")]
     pub scale: Option<Of<D>>,
 }

@@ -33,7 +33,7 @@ pub const SPECIMEN: &str = "specimen";
 pub enum FarEnd {
     /// It does not move.
     Fixed,
-    /// Nothing holds it.
+    /// The end is free of stress.
     Free,
 }
 

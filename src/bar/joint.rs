@@ -186,6 +186,14 @@ pub fn force_at(rate: f64, [left, right]: &[Response; 2]) -> f64 {
     (y_right * left.force + y_left * right.force + y_left * y_right * rate) / (y_left + y_right)
 }
 
+/// Rounding of the force between two faces, relative to the forces that the bars bring: it is their difference if both move with one velocity.
+const ROUND_OFF: f64 = 1e-13;
+
+/// Returns true if a force between two faces (N, compression positive) is rounding.
+pub fn is_round_off(force: f64, [left, right]: &[Response; 2]) -> bool {
+    force.abs() <= ROUND_OFF * (left.force.abs() + right.force.abs())
+}
+
 /// Returns the rate at which the gap of two free faces grows, m/s.
 pub fn free_rate([left, right]: &[Response; 2]) -> f64 {
     -(left.force / left.impedance + right.force / right.impedance)

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::part::{INSIDE, Load, NetSegment};
 use crate::bar::ends::Response;
-use crate::bar::joint::{Contact, force_at, free_rate};
+use crate::bar::joint::{Contact, force_at, free_rate, is_round_off};
 use crate::bar::{Joint as Kind, SuddenLoad};
 use crate::law::rate::{Flow, History};
 
@@ -72,7 +72,9 @@ impl Joint {
         let (passed, [force, read]) = couple(left, right, &bars, touches.then_some(rate), dt);
         if touches {
             contact.add_lost_energy(force, gap);
-            contact.record_force(dt, read, f64::INFINITY);
+            if !is_round_off(read, &bars) {
+                contact.record_force(dt, read, f64::INFINITY);
+            }
         }
         passed
     }

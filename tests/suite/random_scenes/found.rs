@@ -1688,6 +1688,29 @@ fn a_shock_at_the_right_end_dissipates_as_one_at_the_left() {
     assert!(left > 0.0 && (right / left - 1.0).abs() < 1e-9, "{left:e} {right:e}");
 }
 
+/// Two bars that move with one velocity and are pulled apart do not press on each other. By the net, the rounding of their forces (8e-12 N) must not be
+/// recorded as a contact of 1.8 us.
+#[test]
+fn the_rounding_of_forces_is_no_contact() {
+    let piece = |length: f64, area: f64, density: f64| {
+        format!(
+            "[[bar.segment]]\nlength = {length}\narea = {area:e}\nvelocity = -16.7\njoint = \"contact\"\nmaterial = {{ density = {density}, modulus = 120e9, \
+             beyond = \"extend\", curve = {{ table = [[0.005, 6e8], [0.1, 1e9]] }} }}\n"
+        )
+    };
+    let text = format!(
+        "{}{}[left]\nkind = \"velocity\"\nvalue = -27.9\n[right]\nkind = \"velocity\"\nvalue = 14.1\n\
+         [effects]\nhardening = \"isotropic\"\nrate = {{ model = \"malvern\", k = 26000 }}\n[solve]\nuntil = 1e-6\nmethod = \"moc\"\n\
+         cells = 60\n[record]\nframes = 2\n",
+        piece(0.0263, 537e-6, 1490.0),
+        piece(0.01, 365e-6, 3720.0).replace("joint = \"contact\"\n", "")
+    );
+    let figures =
+        run(&scene(&text), None, &mut |_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}")).figures;
+    let figure = |name: &str| figures.get(&["joints", "1"], name);
+    assert_eq!([figure("contact_duration"), figure("peak_force")], [Some(0.0); 2]);
+}
+
 /// The time at which a load begins to rise must not be rounded to before the jump in the other direction that it makes first. Otherwise, the end
 /// keeps the velocity before the jump with the Godunov scheme, and all nodes but the first with leapfrog: -214 MPa instead of 337 MPa.
 #[test]

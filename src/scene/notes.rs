@@ -194,18 +194,20 @@ impl Scene {
         let note = |(side, end, at, k): (&str, &EndCondition, &Segment, usize)| {
             let EndCondition::Striker { mass, velocity } = end else { return None };
             let impedance = at.material.impedance();
-            let stress = impedance * (velocity - at.end_velocities()[k]).abs();
-            let yields = stress > at.material.branch(Sense::Compression).elastic_limit(at.material.modulus).1;
+            let closing = [1.0, -1.0][k] * (velocity - at.end_velocities()[k]);
+            let yields =
+                impedance * closing > at.material.branch(Sense::Compression).elastic_limit(at.material.modulus).1;
             let decay = mass / (impedance * at.end_areas()[k]) / cell;
             (yields && decay < CELLS_OF_PULSE).then(|| {
                 let needed = (cells as f64 * CELLS_OF_PULSE / decay).ceil();
+                let exact = if self.effects.rate.is_none() { ", or method = \"moc\"" } else { "" };
                 format!(
                     "the pulse of the light striker at the {side} end decays within {decay:.1} cells: plastic strain and absorbed energy \
-                     are too small; use at least {needed:.0} cells, or method = \"moc\""
+                     are too small; use at least {needed:.0} cells{exact}"
                 )
             })
         };
-        self.ends_and_segments().into_iter().filter(|_| self.torsion.is_none()).filter_map(note).collect()
+        self.ends_and_segments().into_iter().filter_map(note).collect()
     }
 
     /// Notes end times after only a few time steps; runs on a grid end with a whole step.

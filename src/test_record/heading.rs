@@ -180,6 +180,7 @@ pub(super) fn kind(heading: &Heading) -> Option<Kind> {
     }
     let all = [Kind::Strain, Kind::Stress, Kind::Force, Kind::Extension];
     let named = all.into_iter().find(|kind| kind.words().iter().any(|word| name.contains(word)));
+    let named = named.or_else(|| (name == "ext").then_some(Kind::Extension));
     match named {
         // "Elongation (%)" is a strain.
         Some(Kind::Extension) if size(&heading.unit, Kind::Strain).is_some() => Some(Kind::Strain),

@@ -19,10 +19,14 @@ pub(crate) fn split(heading: &str) -> (&str, &str) {
             return (name, unit);
         }
     }
+    let ratio = RATIOS.iter().find_map(|unit| Some((heading.strip_suffix(unit)?.strip_suffix('_')?, *unit)));
+    if let Some(found) = ratio {
+        return found;
+    }
     for separator in [',', '_', ' ', '/'] {
         if let Some((name, unit)) = heading.rsplit_once(separator)
             && is_unit(unit.trim())
-            && !is_bar(name, unit)
+            && !(is_bar(name, unit) || "_ ".contains(separator) && is_label(name, unit))
         {
             return (name.trim(), unit.trim());
         }
@@ -40,6 +44,45 @@ const OF_STRESSES: [&str; 7] = ["stress", "pressure", "spannung", "druck", "cont
 fn is_bar(name: &str, word: &str) -> bool {
     let name = name.to_lowercase();
     word.trim() == "bar" && !OF_STRESSES.iter().any(|part| name.contains(part))
+}
+
+/// Units of strain with an underscore for the slash.
+const RATIOS: [&str; 3] = ["mm_mm", "in_in", "m_m"];
+
+/// Parts of headings, in lower case, of times, lengths and forces; a heading can also be their symbol alone.
+const OF_TIMES: [&str; 3] = ["time", "zeit", "temps"];
+const OF_LENGTHS: [&str; 15] = [
+    "ext",
+    "elong",
+    "disp",
+    "length",
+    "position",
+    "stroke",
+    "crosshead",
+    "distance",
+    "place",
+    "gap",
+    "weg",
+    "verl\u{e4}ng",
+    "travers",
+    "allong",
+    "d\u{e9}plac",
+];
+const OF_FORCES: [&str; 3] = ["force", "load", "kraft"];
+const SYMBOLS: [&str; 8] = ["t", "x", "z", "u", "l", "d", "f", "p"];
+
+/// Whether the last word of a heading is a label, as of the incident (`in`, `I`) or transmitted (`t`) pulse, a side or a gauge, although it is also a
+/// unit in the heading of another quantity. Other single letters are labels as well.
+fn is_label(name: &str, word: &str) -> bool {
+    let name = name.to_lowercase();
+    let is_of = |parts: &[&str]| SYMBOLS.contains(&name.as_str()) || parts.iter().any(|part| name.contains(part));
+    match word.trim() {
+        "s" | "h" | "min" => !is_of(&OF_TIMES),
+        "m" | "in" => !is_of(&OF_LENGTHS),
+        "N" => !is_of(&OF_FORCES),
+        "V" | "K" | "C" | "F" => false,
+        word => word.len() == 1 && word.chars().all(char::is_alphabetic),
+    }
 }
 
 /// Units of the signal of an amplifier, which are those of no column.
@@ -72,7 +115,8 @@ fn strain(unit: &str) -> Option<f64> {
     // The micro sign and the Greek letter mu look alike.
     let unit = unit.to_lowercase().replace(['\u{b5}', '\u{3bc}'], "u");
     match unit.as_str() {
-        "-" | "1" => Some(1.0),
+        "-" | "1" | "mm_mm" | "in_in" | "m_m" => Some(1.0),
+        "pct" => Some(1e-2),
         "\u{2030}" | "1e-3" | "10^-3" | "millistrain" | "millistrains" | "mstrain" | "m\u{3b5}" => Some(1e-3),
         "microstrain" | "microstrains" | "ustrain" | "ue" | "u\u{3b5}" => Some(1e-6),
         _ => None,
@@ -149,6 +193,25 @@ mod tests {
         {
             assert_eq!(split(name), (name, ""));
         }
+        for label in ["i", "t", "I", "T", "in", "out", "l", "L", "m", "M", "n", "s", "g", "h", "min", "R"] {
+            assert_eq!(split(&format!("strain_{label}")).1, "", "{label}");
+        }
+        for (heading, name, unit) in [
+            ("time_s", "time", "s"),
+            ("t_s", "t", "s"),
+            ("x m", "x", "m"),
+            ("extension_in", "extension", "in"),
+            ("Load_N", "Load", "N"),
+            ("strain_V", "strain", "V"),
+            ("ext_mm", "ext", "mm"),
+            ("strain_mm_mm", "strain", "mm_mm"),
+            ("strain_in_in", "strain", "in_in"),
+            ("strain_pct", "strain", "pct"),
+        ] {
+            assert_eq!(split(heading), (name, unit));
+        }
+        let values = ["mm_mm", "in_in", "pct"].map(|unit| in_heading(unit, Dimension::None));
+        assert_eq!(values, [Ok(1.0), Ok(1.0), Ok(1e-2)]);
         assert_eq!(split("Strain (axial)"), ("Strain", "axial"));
         assert_eq!(split("Stress/MPa"), ("Stress", "MPa"));
         assert_eq!(split("stress_bar"), ("stress", "bar"));

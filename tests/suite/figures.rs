@@ -211,7 +211,9 @@ fn a_striker_whose_pulse_is_shorter_than_the_grid_resolves_is_noted() {
     };
     let coarse = notes(20.0, "cells = 200");
     assert!(coarse.contains("decays within 0.8 cells") && coarse.contains("use at least 5334 cells"), "{coarse}");
-    for (velocity, solve) in [(20.0, "cells = 5400"), (20.0, "method = \"moc\""), (4.0, "cells = 200")] {
+    for (velocity, solve) in
+        [(20.0, "cells = 5400"), (20.0, "method = \"moc\""), (4.0, "cells = 200"), (-20.0, "cells = 200")]
+    {
         let notes = notes(velocity, solve);
         assert!(!notes.contains("light striker"), "{velocity} m/s, {solve}: {notes}");
     }

@@ -24,7 +24,7 @@ fn one_wave_and_three_waves_agree_in_equilibrium_between_unequal_bars() {
         incident: record(&|time| i * on(time) + r * on(time - 2.0 * way)),
         transmitted: record(&|time| t * on(time - later)),
     };
-    let options = Options { window: None, limit: None, equilibrium: 0.05, poisson: 0.29 };
+    let options = Options { equilibrium: 0.05, ..Options::default() };
     let reduced = reduce(&setup, &records, &options).expect("a test");
     // The faces approach each other with c1 (i - r) - c2 t; both bars have 5000 m/s.
     let rate = 5000.0 * (i - r - t) / 0.01;

@@ -494,6 +494,51 @@ fn a_split_hopkinson_test_gives_back_the_specimen_s_curve() {
     assert!(refused(path, &wrong).contains("2 columns"));
 }
 
+/// The transmitted pulse takes 12 us through 15 mm of a soft polymer, which was said to be an error of the gauge distances.
+#[test]
+fn the_way_through_a_soft_specimen_is_no_wrong_distance() {
+    let scene = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("runs/split-hopkinson.toml"));
+    let soft = "{ name = \"soft\", density = 1200, modulus = \"2 GPa\", beyond = \"extend\", \
+                curve = { table = [[0.01, \"20 MPa\"], [0.5, \"40 MPa\"]] } }";
+    let scene = scene
+        .expect("a scene")
+        .replace("\"4 mm\"", "\"15 mm\"")
+        .replace("\"copper-annealed\"", soft)
+        .replace("3.404 m", "3.415 m")
+        .replace("cells = 8000", "cells = 4000")
+        .replace("frames = 101", "frames = 2");
+    let folder = simulated(&scene);
+    let path = folder.path();
+    std::fs::write(path.join("test.csv"), records(&path.join("bar.h5"), &["incident", "transmitted"], 0.0, 7))
+        .expect("a file");
+    let transmitted = |arguments: &[&str]| -> Vec<String> {
+        let found = json(path, &joined(&["invert", "hopkinson", "--json"], arguments));
+        let warnings = found["warnings"].as_array().expect("warnings").iter().filter_map(Value::as_str);
+        warnings.filter(|text| text.starts_with("the transmitted pulse arrives")).map(str::to_owned).collect()
+    };
+    assert_eq!(transmitted(&["bar.h5"]), [""; 0]);
+    let bars = "test.csv --bar-modulus 200GPa --bar-density 7850kg/m^3 --bar-diameter 16mm --specimen-length 15mm \
+                --specimen-diameter 10mm --distances";
+    let bars: Vec<&str> = bars.split_whitespace().collect();
+    let unknown: &[&str] = &[];
+    let known: &[&str] = &["--modulus", "2 GPa", "--density", "1200 kg/m^3"];
+    let with = |distances: &'static str, specimen: &[&'static str]| {
+        transmitted(&joined(&joined(&bars, &[distances]), specimen))
+    };
+    for specimen in [unknown, known] {
+        assert_eq!(with("1m,1m", specimen), [""; 0], "{specimen:?}");
+    }
+    // 10 cm are 20 us, 5 cm are 10 us. Without modulus and density, 21 us may be the way through the specimen.
+    for (distances, specimen) in [("1m,0.9m", unknown), ("1m,0.9m", known), ("1m,0.95m", known)] {
+        let warnings = with(distances, specimen);
+        let [warning] = &warnings[..] else { panic!("{distances} {specimen:?}: {warnings:?}") };
+        let words =
+            "m: unless the wave takes that time through the specimen, stresses and strains are wrong; a distance of";
+        assert!(warning.contains("us after its time") && warning.contains(words), "{warning}");
+    }
+    assert!(with("1m,1.1m", unknown)[0].contains("us before its time"));
+}
+
 /// Returns strains, wave speeds and velocities of the steel up to 5 % of plastic strain, which the end reaches in 25 us.
 fn levels_of_steel() -> Vec<(f64, f64, f64)> {
     let states: Vec<_> = (1..=2000).map(|k| steel(0.05 * (f64::from(k) / 2000.0).powi(4))).collect();
@@ -896,7 +941,7 @@ const NONE: [f64; 4] = [f64::NAN, f64::INFINITY, 0.0, -1.0];
 fn a_split_hopkinson_set_of_a_program_is_checked() {
     let bar = hopkinson::ElasticBar { modulus: 200e9, density: 8000.0, area: 2e-4, distance: 1.0 };
     let set = hopkinson::Setup { incident: bar, transmitted: bar, length: 0.01, area: 1e-4 };
-    let options = hopkinson::Options { window: None, limit: None, equilibrium: 0.05, poisson: 0.29 };
+    let options = hopkinson::Options { equilibrium: 0.05, ..hopkinson::Options::default() };
     let (time, on): (Vec<f64>, _) =
         ((0..8000).map(|k| 1e-7 * f64::from(k) - 5e-5).collect(), |t: f64| (0.0..1e-4).contains(&t));
     let strain = |part: f64, from: f64| time.iter().map(|t| if on(t - from) { part } else { 0.0 }).collect::<Vec<_>>();
@@ -916,6 +961,7 @@ fn a_split_hopkinson_set_of_a_program_is_checked() {
         names(reduce(hopkinson::Setup { transmitted, ..set.clone() }, options.clone()), "transmitted.density");
         names(reduce(set.clone(), hopkinson::Options { window: Some(wrong), ..options.clone() }), "window");
         names(reduce(set.clone(), hopkinson::Options { equilibrium: wrong, ..options.clone() }), "equilibrium");
+        names(reduce(set.clone(), hopkinson::Options { speed: Some(wrong), ..options.clone() }), "speed");
     }
     let given = |records: hopkinson::Records| hopkinson::reduce(&set, &records, &options);
     let with = |change: &dyn Fn(&mut hopkinson::Records)| {

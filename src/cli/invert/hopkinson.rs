@@ -51,13 +51,14 @@ pub(super) struct Args {
     /// Diameter of the specimen.
     #[arg(long, value_parser = quantity::positive(Dimension::Length))]
     specimen_diameter: Option<f64>,
-    /// Density of the specimen, for the material file (default: that of the result file).
+    /// Density of the specimen, for the material file and, with --modulus, for its transit time (default: that of the result file).
     #[arg(long, value_parser = quantity::positive(Dimension::Density))]
     density: Option<f64>,
     /// Sense of the test, for records in which compression is positive (default: positive strains are tension).
     #[arg(long, value_enum)]
     sense: Option<SenseArg>,
-    /// Elastic modulus of the specimen, for the elastic part of the material file (default: that of the result file).
+    /// Elastic modulus of the specimen, for the elastic part of the material file and, with --density, for its transit time (default: that of the
+    /// result file).
     #[arg(long, value_parser = quantity::positive(Dimension::Stress))]
     modulus: Option<f64>,
     /// Length of the reduction (default: that of the incident pulse).
@@ -91,6 +92,7 @@ pub(super) const OPTIONS: &[OptionOf<'static>] = &[
     ("window", "--window", ""),
     ("equilibrium", "--equilibrium", ""),
     ("poisson", "--poisson", ""),
+    ("speed", "--modulus", ""),
     ("gauges", "--gauges", "e.g. --gauges INCIDENT,TRANSMITTED"),
 ];
 
@@ -107,11 +109,14 @@ pub(super) fn run(args: &Args) -> Result<()> {
         Some(part) => records.with_noise(part, args.seed),
         None => records,
     };
+    let modulus = args.modulus.or(test.as_ref().map(|t| t.modulus));
+    let density = args.density.or(test.as_ref().map(|t| t.density));
     let options = Options {
         window: args.window,
         limit: test.as_ref().map(|t| t.limit),
         equilibrium: args.equilibrium,
         poisson: args.poisson,
+        speed: modulus.zip(density).map(|(modulus, density)| (modulus / density).sqrt()),
     };
     let mut reduced = reduce(&setup, &records, &options).map_err(|error| shared::in_file(error, &args.file))?;
     reduced.sense = args.sense.map_or(reduced.sense, Into::into);

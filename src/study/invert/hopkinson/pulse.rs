@@ -265,38 +265,54 @@ fn least(function: impl Fn([f64; 2]) -> f64, mut ranges: [f64; 2]) -> ([f64; 2],
     best
 }
 
+/// Elastic wave speed of a specimen whose modulus and density are unknown, m/s: that of a soft polymer (1 GPa, 1000 kg/m^3).
+const SOFT: f64 = 1000.0;
+
+/// Largest delay of the transmitted pulse due to its way through the specimen, relative to the transit time of the elastic wave: noise and the slower
+/// plastic waves add to it.
+const TRANSITS: f64 = 1.4;
+
 /// Returns warnings if the arrival of the reflected or of the transmitted pulse differs from the computed one. `window` is the time from the arrival of
-/// the incident pulse on, s.
-pub(super) fn misplaced(setup: &Setup, zeroed: &[Zeroed; 2], pulse: &Pulse, window: f64) -> Vec<String> {
+/// the incident pulse on, s; `speed` is the elastic wave speed of the specimen, m/s, if known.
+pub(super) fn misplaced(
+    setup: &Setup,
+    zeroed: &[Zeroed; 2],
+    pulse: &Pulse,
+    window: f64,
+    speed: Option<f64>,
+) -> Vec<String> {
     let records = zeroed.each_ref().map(|zeroed| &zeroed.record);
     let row = |after: f64| records[0].0.partition_point(|&t| t < pulse.arrival + after);
     let alone = Alone { rows: row(0.0).saturating_sub(1)..row(window), sign: pulse.sign };
     let reflected = late(setup, records, &alone);
     let transmitted = transmitted_late(setup, records, pulse, window);
     let of_reflected = reflected.and_then(|late| reflected_misplaced(&setup.incident, late));
-    of_reflected.into_iter().chain(transmitted.and_then(|late| transmitted_misplaced(setup, late))).collect()
+    let transit = setup.length / speed.unwrap_or(SOFT);
+    of_reflected.into_iter().chain(transmitted.and_then(|late| transmitted_misplaced(setup, late, transit))).collect()
 }
 
-/// Returns a warning if the delay `late` (s) of the transmitted pulse is too large.
-fn transmitted_misplaced(setup: &Setup, late: f64) -> Option<String> {
+/// Returns a warning if the delay `late` (s) of the transmitted pulse is too large. The computed time does not include the way through the specimen,
+/// so that the pulse can be late by its transit time `transit` (s).
+fn transmitted_misplaced(setup: &Setup, late: f64, transit: f64) -> Option<String> {
     let [one, two] = [&setup.incident, &setup.transmitted];
     let message = || {
         let (than, unless) = if late > 0.0 {
-            ("after", ", unless the wave takes that time through the specimen")
+            ("after", "unless the wave takes that time through the specimen, ")
         } else {
             ("before", "")
         };
         format!(
-            "the transmitted pulse arrives {:.1} us {than} its time as computed from the distances of {:.4} m and {:.4} m{unless}: stresses \
-             and strains are wrong; a distance of {:.4} m fits its arrival: check the distance of the gauge on the transmission bar, and the \
-             clocks of the records",
+            "the transmitted pulse arrives {:.1} us {than} its time as computed from the distances of {:.4} m and {:.4} m: \
+             {unless}stresses and strains are wrong; a distance of {:.4} m fits its arrival: check the distance of the gauge on the \
+             transmission bar, and the clocks of the records",
             1e6 * late.abs(),
             one.distance,
             two.distance,
             two.distance + late * two.c0()
         )
     };
-    (late.abs() > MISSED * (one.delay() + two.delay())).then(message)
+    let missed = MISSED * (one.delay() + two.delay());
+    (late > missed.max(TRANSITS * transit) || late < -missed).then(message)
 }
 
 /// Returns a warning if the delay `late` (s) of the reflected pulse is too large.

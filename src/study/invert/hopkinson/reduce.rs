@@ -25,11 +25,13 @@ pub struct Options {
     pub equilibrium: f64,
     /// Poisson's ratio of the bars, 0 to 0.5, for the estimate of the dispersion.
     pub poisson: f64,
+    /// Elastic wave speed of the specimen, m/s, > 0, if known: the transmitted pulse may be late by the time that it takes through the specimen.
+    pub speed: Option<f64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { window: None, limit: None, equilibrium: Self::EQUILIBRIUM, poisson: Self::POISSON }
+        Self { window: None, limit: None, equilibrium: Self::EQUILIBRIUM, poisson: Self::POISSON, speed: None }
     }
 }
 
@@ -42,6 +44,7 @@ impl Options {
     fn check(&self) -> Checked {
         optional("window", self.window, Dimension::Time, Allowed::Positive)?;
         optional("limit", self.limit, Dimension::Time, Allowed::NotNegative)?;
+        optional("speed", self.speed, Dimension::Velocity, Allowed::Positive)?;
         positive([("equilibrium", self.equilibrium, Dimension::None)])?;
         member("poisson", self.poisson, Dimension::None, Allowed::Within(0.0, 0.5))
     }
@@ -185,7 +188,7 @@ pub fn reduce(setup: &Setup, records: &Records, options: &Options) -> Result<Red
     let moments = moments(setup, &zeroed, &pulse, window);
     transmits(&zeroed[1], &moments, pulse.arrival + setup.incident.delay() + setup.transmitted.delay())?;
     senses(&moments)?;
-    warnings.extend(misplaced(setup, &zeroed, &pulse, window));
+    warnings.extend(misplaced(setup, &zeroed, &pulse, window, options.speed));
     let half = (0.5 * SMOOTHED * moments.len() as f64) as usize;
     let loading = loading(&moments, half);
     let mut reduced = Reduced {

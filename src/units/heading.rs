@@ -65,7 +65,7 @@ const OF_LENGTHS: [&str; 15] = [
     "weg",
     "verl\u{e4}ng",
     "travers",
-    "allong",
+    "allongement",
     "d\u{e9}plac",
 ];
 const OF_FORCES: [&str; 3] = ["force", "load", "kraft"];
@@ -80,7 +80,8 @@ fn is_label(name: &str, word: &str) -> bool {
         "s" | "h" | "min" => !is_of(&OF_TIMES),
         "m" | "in" => !is_of(&OF_LENGTHS),
         "N" => !is_of(&OF_FORCES),
-        "V" | "K" | "C" | "F" => false,
+        "K" | "C" | "F" => !is_of(&["temp"]),
+        "V" => false,
         word => word.len() == 1 && word.chars().all(char::is_alphabetic),
     }
 }
@@ -193,7 +194,7 @@ mod tests {
         {
             assert_eq!(split(name), (name, ""));
         }
-        for label in ["i", "t", "I", "T", "in", "out", "l", "L", "m", "M", "n", "s", "g", "h", "min", "R"] {
+        for label in ["i", "t", "I", "T", "in", "out", "l", "L", "m", "M", "n", "s", "g", "h", "min", "R", "C"] {
             assert_eq!(split(&format!("strain_{label}")).1, "", "{label}");
         }
         for (heading, name, unit) in [
@@ -203,6 +204,7 @@ mod tests {
             ("extension_in", "extension", "in"),
             ("Load_N", "Load", "N"),
             ("strain_V", "strain", "V"),
+            ("temperature_K", "temperature", "K"),
             ("ext_mm", "ext", "mm"),
             ("strain_mm_mm", "strain", "mm_mm"),
             ("strain_in_in", "strain", "in_in"),

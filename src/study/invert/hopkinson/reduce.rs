@@ -541,7 +541,7 @@ mod tests {
         let incident = time.iter().map(|&t| on(t) - 0.5 * on(t - 2.0 * delay)).collect();
         let transmitted = time.iter().map(|&t| 0.5 * on(t - 2.0 * delay)).collect();
         let records = Records { incident: (time.clone(), incident), transmitted: (time, transmitted) };
-        let options = Options { window: None, limit: None, equilibrium: 0.05, poisson: 0.29 };
+        let options = Options { equilibrium: 0.05, ..Options::default() };
         let reduced = reduce(&setup, &records, &options).expect("a test");
         assert_eq!(reduced.sense, Sense::Compression);
         assert!((reduced.window_s - 100e-6).abs() < 3e-7, "{}", reduced.window_s);
